@@ -1,0 +1,1 @@
+//! Write-once files and the manifest that names them.

@@ -1,0 +1,1 @@
+//! The dataflow engine. It knows nothing of scenes.

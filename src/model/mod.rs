@@ -1,0 +1,1 @@
+//! The estimator: reflectance maps in, materials out.

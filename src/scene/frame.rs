@@ -1,0 +1,95 @@
+//! One photograph: which camera took it from where, and its pixels as linear radiance.
+
+use std::sync::Arc;
+
+use super::camera::Camera;
+use super::pose::Pose;
+
+/// A posed photograph, pixels aside.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Frame {
+    /// The image's name as the poses give it, relative to the image folder, with `/` between folders.
+    pub name: String,
+    /// Intrinsics, shared between frames.
+    pub camera: Arc<Camera>,
+    /// Extrinsics.
+    pub pose: Pose,
+}
+
+/// The samples of an image as they were stored, three a pixel, rows from the top.
+#[derive(Debug, Clone)]
+pub enum Samples {
+    /// 8 bits.
+    U8(Vec<[u8; 3]>),
+    /// 16 bits.
+    U16(Vec<[u16; 3]>),
+    /// Floating point, taken as linear.
+    F32(Vec<[f32; 3]>),
+}
+
+/// A decoded photograph. Samples stay as narrow as they were stored (a 150-megapixel JPEG is 450 MB here, not 1.8 GB)
+/// and become linear radiance when they are read, through a table.
+#[derive(Debug, Clone)]
+pub struct LinearImage {
+    /// Columns.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// As stored.
+    pub samples: Samples,
+    /// Linear radiance of every stored value: 256 or 65,536 of them, none for `F32`.
+    pub table: Arc<[f32]>,
+    /// 0 where a pixel is no observation; none if all are.
+    pub mask: Option<Vec<u8>>,
+}
+
+/// What one pixel saw.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pixel {
+    /// Linear radiance.
+    pub rgb: [f32; 3],
+    /// Whether any channel is at 254/255 or above.
+    pub clipped: bool,
+}
+
+impl LinearImage {
+    /// Number of pixels.
+    pub fn len(&self) -> usize {
+        self.width as usize * self.height as usize
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The pixel at `row * width + column`; `None` where it is masked or not finite.
+    #[inline]
+    pub fn pixel(&self, index: usize) -> Option<Pixel> {
+        if self.mask.as_ref().is_some_and(|m| m[index] == 0) {
+            return None;
+        }
+        let pixel = match &self.samples {
+            Samples::U8(s) => {
+                Pixel { rgb: s[index].map(|v| self.table[usize::from(v)]), clipped: s[index].iter().any(|&v| v >= 254) }
+            }
+            // 254/255 of 65535.
+            Samples::U16(s) => Pixel {
+                rgb: s[index].map(|v| self.table[usize::from(v)]),
+                clipped: s[index].iter().any(|&v| v >= 65_278),
+            },
+            Samples::F32(s) => Pixel { rgb: s[index], clipped: false },
+        };
+        pixel.rgb.iter().all(|v| v.is_finite()).then_some(pixel)
+    }
+
+    /// Bytes of memory that the image holds.
+    pub fn bytes(&self) -> u64 {
+        let sample = match &self.samples {
+            Samples::U8(_) => 3,
+            Samples::U16(_) => 6,
+            Samples::F32(_) => 12,
+        };
+        self.len() as u64 * (sample + u64::from(self.mask.is_some()))
+    }
+}

@@ -1,0 +1,105 @@
+//! The triangle mesh: read in f64, kept in f32 about a stored origin, so that UTM coordinates lose nothing.
+
+use glam::{DVec3, Vec3};
+
+use super::reflectance::LobeFrame;
+use crate::base::ids::TriangleId;
+
+/// A triangle mesh. Every index is in range and every coordinate finite: [`Mesh::new`] sees to it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mesh {
+    /// What was subtracted from the file's coordinates, in f64: the centre of the bounding box.
+    pub origin: DVec3,
+    /// Vertices relative to `origin`, in the file's units.
+    pub positions: Vec<Vec3>,
+    /// Vertex indices, counter-clockwise seen from outside.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+/// Why vertices and indices make no mesh.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum MeshError {
+    /// Nothing to see.
+    #[error("the mesh has no faces")]
+    NoFaces,
+    /// More faces than ids.
+    #[error("the mesh has {0} triangles; at most 4294967294 are allowed")]
+    TooMany(usize),
+    /// NaN or infinity.
+    #[error("vertex {vertex} is ({}, {}, {}): every coordinate must be finite", at.x, at.y, at.z)]
+    NotFinite {
+        /// Its position, counted from 0.
+        vertex: usize,
+        /// As found.
+        at: DVec3,
+    },
+    /// An index past the last vertex.
+    #[error("face {face} refers to vertex {index}, but there are {vertices} vertices, counted from 0")]
+    OutOfRange {
+        /// The triangle's position, counted from 0.
+        face: usize,
+        /// The index found.
+        index: u64,
+        /// How many vertices there are.
+        vertices: usize,
+    },
+}
+
+impl Mesh {
+    /// A mesh of vertices in file coordinates and triangles that index them.
+    pub fn new(vertices: &[DVec3], triangles: Vec<[u32; 3]>) -> Result<Mesh, MeshError> {
+        if triangles.is_empty() {
+            return Err(MeshError::NoFaces);
+        }
+        if triangles.len() >= u32::MAX as usize {
+            return Err(MeshError::TooMany(triangles.len()));
+        }
+        if let Some((vertex, &at)) = vertices.iter().enumerate().find(|(_, v)| !v.is_finite()) {
+            return Err(MeshError::NotFinite { vertex, at });
+        }
+        for (face, t) in triangles.iter().enumerate() {
+            if let Some(&index) = t.iter().find(|&&i| i as usize >= vertices.len()) {
+                return Err(MeshError::OutOfRange { face, index: u64::from(index), vertices: vertices.len() });
+            }
+        }
+        let low = vertices.iter().copied().fold(DVec3::INFINITY, DVec3::min);
+        let high = vertices.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+        let origin = low * 0.5 + high * 0.5;
+        let positions = vertices.iter().map(|v| (*v - origin).as_vec3()).collect();
+        Ok(Mesh { origin, positions, triangles })
+    }
+
+    /// Number of triangles.
+    pub fn len(&self) -> usize {
+        self.triangles.len()
+    }
+
+    /// Whether there are none; never so for a mesh from [`Mesh::new`].
+    pub fn is_empty(&self) -> bool {
+        self.triangles.is_empty()
+    }
+
+    /// The corners of a triangle, relative to the origin.
+    #[inline]
+    pub fn corners(&self, t: TriangleId) -> [Vec3; 3] {
+        self.triangles[t as usize].map(|i| self.positions[i as usize])
+    }
+
+    /// The geometric unit normal, counter-clockwise side; `None` for a triangle without area.
+    #[inline]
+    pub fn normal(&self, t: TriangleId) -> Option<Vec3> {
+        let [a, b, c] = self.corners(t);
+        // In f64: the cross product of a sliver's f32 edges can underflow to nothing.
+        (b - a).as_dvec3().cross((c - a).as_dvec3()).try_normalize().map(|n| n.as_vec3())
+    }
+
+    /// The frame of a triangle's reflectance map; `None` for a triangle without area.
+    pub fn lobe_frame(&self, t: TriangleId) -> Option<LobeFrame> {
+        self.normal(t).map(LobeFrame::new)
+    }
+
+    /// How many triangles have no area: they are kept, so that ids stay those of the file, and never hit.
+    pub fn degenerate(&self) -> usize {
+        (0..self.len() as TriangleId).filter(|&t| self.normal(t).is_none()).count()
+    }
+}

@@ -1,0 +1,144 @@
+//! The reflectance map: what one surface point sent towards each direction, in 60 x 120 bins of 3 degrees over the
+//! sphere. Row is theta in [0, pi] from +z; column is phi in [0, 2 pi) from +x, counter-clockwise. Bin centres lie at
+//! half-integers.
+//!
+//! Radiance is summed as unsigned fixed point with 16 fractional bits, so that addition is exact and its order does
+//! not matter.
+
+use std::f32::consts::{PI, TAU};
+
+use glam::Vec3;
+
+/// Rows of a map: theta.
+pub const ROWS: usize = 60;
+/// Columns of a map: phi.
+pub const COLUMNS: usize = 120;
+/// Bins of a map.
+pub const BINS: usize = ROWS * COLUMNS;
+/// Bins that a front-facing observation can fall in: rows 0..30.
+pub const FRONT_BINS: usize = BINS / 2;
+
+/// A bin's position, `row * COLUMNS + column`, in `0..BINS`.
+pub type Bin = u16;
+
+/// The bin of a unit direction in the map's frame.
+#[inline]
+pub fn bin_of(direction: Vec3) -> Bin {
+    let theta = direction.z.clamp(-1.0, 1.0).acos();
+    let phi = direction.y.atan2(direction.x);
+    let phi = if phi < 0.0 { phi + TAU } else { phi };
+    let row = ((theta * (ROWS as f32 / PI)) as usize).min(ROWS - 1);
+    let column = ((phi * (COLUMNS as f32 / TAU)) as usize).min(COLUMNS - 1);
+    (row * COLUMNS + column) as Bin
+}
+
+/// The unit direction at a bin's centre.
+pub fn direction_of(bin: Bin) -> Vec3 {
+    let (row, column) = (usize::from(bin) / COLUMNS, usize::from(bin) % COLUMNS);
+    let (sin_theta, cos_theta) = ((row as f32 + 0.5) * PI / ROWS as f32).sin_cos();
+    let (sin_phi, cos_phi) = ((column as f32 + 0.5) * TAU / COLUMNS as f32).sin_cos();
+    Vec3::new(sin_theta * cos_phi, sin_theta * sin_phi, cos_theta)
+}
+
+/// Orthonormal axes of a triangle's map, in world directions.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LobeFrame {
+    /// World +x (or +y, where the normal is within 8 degrees of +-x) projected on the triangle's plane.
+    pub x: Vec3,
+    /// `z` cross `x`.
+    pub y: Vec3,
+    /// The geometric normal.
+    pub z: Vec3,
+}
+
+/// cos 8 degrees: closer to +-x than this, the frame is built on +y.
+const NEAR_X: f32 = 0.990_268_1;
+
+impl LobeFrame {
+    /// The frame of a surface with this unit normal.
+    #[inline]
+    pub fn new(normal: Vec3) -> Self {
+        let axis = if normal.x.abs() > NEAR_X { Vec3::Y } else { Vec3::X };
+        let x = (axis - normal * normal.dot(axis)).normalize();
+        LobeFrame { x, y: normal.cross(x), z: normal }
+    }
+
+    /// A world direction in this frame.
+    #[inline]
+    pub fn to_local(&self, world: Vec3) -> Vec3 {
+        Vec3::new(self.x.dot(world), self.y.dot(world), self.z.dot(world))
+    }
+
+    /// A direction of this frame in the world.
+    #[inline]
+    pub fn to_world(&self, local: Vec3) -> Vec3 {
+        self.x * local.x + self.y * local.y + self.z * local.z
+    }
+}
+
+/// One fixed-point unit is `1 / RADIANCE_ONE`.
+pub const RADIANCE_ONE: f32 = 65536.0;
+
+/// The largest radiance that is summed; brighter ones count as this. With it, 2^38 observations fit a sum.
+pub const RADIANCE_MAX: f32 = 1024.0;
+
+/// A radiance as fixed point; not a number counts as 0.
+#[inline]
+pub fn to_fixed(radiance: f32) -> u64 {
+    (radiance.clamp(0.0, RADIANCE_MAX) * RADIANCE_ONE + 0.5) as u64
+}
+
+/// What one bin of one triangle has received: exact sums, the same in whatever order they were added.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct BinSum {
+    /// Fixed-point radiance, summed, per channel.
+    pub radiance: [u64; 3],
+    /// Observations.
+    pub count: u32,
+    /// Observations with a clipped channel.
+    pub clipped: u32,
+}
+
+impl BinSum {
+    /// One observation.
+    #[inline]
+    pub fn one(rgb: [f32; 3], clipped: bool) -> Self {
+        BinSum { radiance: rgb.map(to_fixed), count: 1, clipped: u32::from(clipped) }
+    }
+
+    /// Adds another sum. Counts stay at their largest value rather than wrap.
+    #[inline]
+    pub fn add(&mut self, other: &BinSum) {
+        for (a, b) in self.radiance.iter_mut().zip(other.radiance) {
+            *a = a.saturating_add(b);
+        }
+        self.count = self.count.saturating_add(other.count);
+        self.clipped = self.clipped.saturating_add(other.clipped);
+    }
+
+    /// Mean radiance, linear RGB; 0 where nothing was observed.
+    pub fn mean(&self) -> [f32; 3] {
+        let scale = 1.0 / (f64::from(self.count.max(1)) * f64::from(RADIANCE_ONE));
+        self.radiance.map(|s| (s as f64 * scale) as f32)
+    }
+}
+
+/// The filled bins of one triangle, ascending by bin.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct SparseMap {
+    /// `(bin, sum)`, each bin once, ascending.
+    pub bins: Vec<(Bin, BinSum)>,
+}
+
+impl SparseMap {
+    /// Writes the map the way models take it: `[channels, 60, 120]`, channels rgb and, if there are four, 1 where the
+    /// bin has evidence. `out` must hold `channels * BINS` zeros.
+    pub fn write_dense(&self, channels: usize, out: &mut [f32]) {
+        for (bin, sum) in &self.bins {
+            let bin = usize::from(*bin);
+            for (c, value) in sum.mean().into_iter().chain([1.0]).take(channels).enumerate() {
+                out[c * BINS + bin] = value;
+            }
+        }
+    }
+}

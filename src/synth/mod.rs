@@ -1,0 +1,1 @@
+//! Data with a known truth: spheres, sparse maps, a city.
