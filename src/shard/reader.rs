@@ -1,0 +1,93 @@
+//! Opens a segment: verifies its frame at once and each block when it is asked for.
+
+use std::path::{Path, PathBuf};
+
+use super::block::{self, Block};
+use super::format::{ENTRY, Entry, FOOTER, HEADER, MAGIC, SHARD, VERSION, u32_at, u64_at};
+use crate::base::{Error, Result};
+
+/// An open segment over its bytes, mapped or in memory.
+#[derive(Debug)]
+pub struct Segment<B> {
+    bytes: B,
+    path: PathBuf,
+    index: Vec<Entry>,
+}
+
+impl<B: AsRef<[u8]>> Segment<B> {
+    /// Checks magic, version, footer and index. `path` is what errors name.
+    pub fn open(bytes: B, path: &Path) -> Result<Self> {
+        let index = read_index(bytes.as_ref()).map_err(|found| Error::malformed(path, found))?;
+        Ok(Segment { bytes, path: path.to_owned(), index })
+    }
+
+    /// The blocks, ascending by shard.
+    pub fn index(&self) -> &[Entry] {
+        &self.index
+    }
+
+    /// The entry of a shard, if the segment holds anything in it.
+    pub fn entry(&self, shard: u32) -> Option<&Entry> {
+        self.index.binary_search_by_key(&shard, |e| e.shard).ok().map(|i| &self.index[i])
+    }
+
+    /// A shard's block, verified; `None` if the segment holds nothing in it.
+    pub fn block(&self, shard: u32) -> Result<Option<Block>> {
+        let Some(e) = self.entry(shard) else { return Ok(None) };
+        let bytes = &self.bytes.as_ref()[e.offset as usize..(e.offset + e.length) as usize];
+        let fault = |found: String| Error::malformed(&self.path, found);
+        if crc32fast::hash(bytes) != e.crc {
+            return Err(fault(format!(
+                "block of shard {shard} (bytes {} to {}) fails its checksum",
+                e.offset,
+                e.offset + e.length
+            )));
+        }
+        block::decode(bytes, shard, e.triangles, e.records).map(Some).map_err(fault)
+    }
+
+    /// Reads every block, and so every byte that counts.
+    pub fn verify(&self) -> Result<()> {
+        self.index.iter().try_for_each(|e| self.block(e.shard).map(drop))
+    }
+}
+
+fn read_index(bytes: &[u8]) -> Result<Vec<Entry>, String> {
+    let short = || format!("{} bytes are too few for a segment: it was cut short", bytes.len());
+    let body = bytes.len().checked_sub(FOOTER).filter(|&n| n >= HEADER).ok_or_else(short)?;
+    if bytes[..8] != MAGIC {
+        return Err("no segment: it does not begin with GONIOSEG".into());
+    }
+    let version = u32_at(bytes, 8);
+    if version != VERSION {
+        return Err(format!("segment version {version}; this gonio reads version {VERSION}"));
+    }
+    if bytes[bytes.len() - 8..] != MAGIC {
+        return Err("the footer is missing: the segment was cut short".into());
+    }
+    let (start, entries) = (u64_at(bytes, body), u32_at(bytes, body + 8) as usize);
+    let index = usize::try_from(start)
+        .ok()
+        .filter(|&s| s >= HEADER && s.checked_add(entries.saturating_mul(ENTRY)) == Some(body))
+        .map(|s| &bytes[s..body])
+        .ok_or("the footer does not fit the file's length")?;
+    if crc32fast::hash(index) != u32_at(bytes, body + 12) {
+        return Err("the index fails its checksum".into());
+    }
+    let (chunks, _) = index.as_chunks::<ENTRY>();
+    let index: Vec<Entry> = chunks.iter().map(Entry::from_bytes).collect();
+    let mut end = HEADER as u64;
+    let mut shards = -1i64;
+    for e in &index {
+        let inside = e.offset == end && e.length <= start && e.offset + e.length <= start;
+        let counted = e.triangles >= 1 && e.triangles <= SHARD && e.records >= e.triangles;
+        if !inside || !counted || i64::from(e.shard) <= shards || e.shard > u32::MAX / SHARD {
+            return Err(format!("the index entry of shard {} does not fit the file", e.shard));
+        }
+        (end, shards) = (e.offset + e.length, i64::from(e.shard));
+    }
+    if end != start {
+        return Err("the blocks do not end where the index begins".into());
+    }
+    Ok(index)
+}

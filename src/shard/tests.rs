@@ -1,0 +1,145 @@
+use std::path::Path;
+
+use rand::seq::SliceRandom;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg32;
+
+use super::accumulate::{Accumulator, sum_equal_keys};
+use super::format::SHARD;
+use super::*;
+use crate::scene::reflectance::{BINS, Bin, BinSum, SparseMap};
+
+type Triangles = Vec<(u32, u32, Vec<(Bin, BinSum)>)>;
+
+fn random_sum(rng: &mut Pcg32) -> BinSum {
+    let count = if rng.random_bool(0.5) { 1 } else { rng.random_range(1..2000) };
+    let radiance = std::array::from_fn(|_| rng.random_range(0..=65_536 * u64::from(count)));
+    BinSum { radiance, count, clipped: if rng.random_bool(0.1) { rng.random_range(1..=count) } else { 0 } }
+}
+
+fn random_triangles(rng: &mut Pcg32, below: u32, n: usize) -> Triangles {
+    let mut ids: Vec<u32> = (0..n).map(|_| rng.random_range(0..below)).collect();
+    ids.sort_unstable();
+    ids.dedup();
+    let with_bins = ids.into_iter().map(|id| {
+        let mut bins: Vec<Bin> = (0..rng.random_range(1..20)).map(|_| rng.random_range(0..BINS as Bin)).collect();
+        bins.sort_unstable();
+        bins.dedup();
+        (id, rng.random_range(1..9), bins.into_iter().map(|b| (b, random_sum(rng))).collect())
+    });
+    with_bins.collect()
+}
+
+fn write(triangles: &Triangles) -> Vec<u8> {
+    let mut writer = SegmentWriter::new(Vec::new()).unwrap();
+    triangles.iter().for_each(|(t, f, b)| writer.push(*t, *f, b).unwrap());
+    writer.finish().unwrap()
+}
+
+fn open(bytes: &[u8]) -> crate::base::Result<Segment<&[u8]>> {
+    Segment::open(bytes, Path::new("a.seg"))
+}
+
+fn read(segments: &[Segment<&[u8]>]) -> Triangles {
+    let shards = segments.iter().flat_map(|s| s.index()).map(|e| e.shard).max().map_or(0, |s| s + 1);
+    let maps = (0..shards).flat_map(|s| merge_shard(segments, s).unwrap().triangles);
+    maps.map(|(t, f, SparseMap { bins })| (t, f, bins)).collect()
+}
+
+#[test]
+fn what_is_written_is_read() {
+    let mut rng = Pcg32::seed_from_u64(1);
+    for n in [0, 1, 10, 3000] {
+        let triangles = random_triangles(&mut rng, 5 * SHARD, n);
+        let bytes = write(&triangles);
+        assert_eq!(read(&[open(&bytes).unwrap()]), triangles, "{n} triangles");
+    }
+}
+
+#[test]
+fn extremes_are_read_back() {
+    let huge = BinSum { radiance: [u64::from(u32::MAX) << 26, 0, 1], count: u32::MAX, clipped: u32::MAX };
+    let triangles = vec![(0, u32::MAX, vec![(0, huge), (BINS as Bin - 1, huge)]), (u32::MAX - 1, 1, vec![(7, huge)])];
+    let bytes = write(&triangles);
+    let segment = open(&bytes).unwrap();
+    assert_eq!(segment.block((u32::MAX - 1) / SHARD).unwrap().unwrap().triangles, [(u32::MAX - 1, 1, 1)]);
+    assert_eq!(merge_shard(&[segment], 0).unwrap().triangles[0].2.bins, triangles[0].2);
+}
+
+#[test]
+fn segments_merge_to_the_same_in_any_order() {
+    let mut rng = Pcg32::seed_from_u64(2);
+    let parts: Vec<Triangles> = (0..6).map(|_| random_triangles(&mut rng, 2 * SHARD, 800)).collect();
+    let bytes: Vec<Vec<u8>> = parts.iter().map(write).collect();
+    let mut order: Vec<usize> = (0..parts.len()).collect();
+    let expected = read(&order.iter().map(|&i| open(&bytes[i]).unwrap()).collect::<Vec<_>>());
+    for _ in 0..4 {
+        order.shuffle(&mut rng);
+        assert_eq!(read(&order.iter().map(|&i| open(&bytes[i]).unwrap()).collect::<Vec<_>>()), expected);
+    }
+    let observations = |t: &Triangles| t.iter().flat_map(|t| &t.2).map(|b| u64::from(b.1.count)).sum::<u64>();
+    assert_eq!(observations(&expected), parts.iter().map(observations).sum());
+}
+
+#[test]
+fn tiles_and_frames_sum_to_the_same_in_any_order() {
+    let mut rng = Pcg32::seed_from_u64(3);
+    let mut seen: Vec<(u32, Bin, BinSum)> = (0..4000)
+        .map(|_| (rng.random_range(0..50), rng.random_range(0..20), BinSum::one(rng.random(), rng.random_bool(0.1))))
+        .collect();
+    let gather = |seen: &[(u32, Bin, BinSum)], tile: usize| {
+        let mut a = Accumulator::default();
+        for part in seen.chunks(tile) {
+            part.iter().for_each(|&(t, b, s)| a.observe(t, b, s));
+            a.end_tile();
+        }
+        a.finish()
+    };
+    let expected = gather(&seen, 64);
+    assert!(expected.records.len() <= 1000);
+    seen.shuffle(&mut rng);
+    assert_eq!(gather(&seen, 1000), expected);
+    let mut again = expected.records.clone();
+    sum_equal_keys(&mut again);
+    assert_eq!(again, expected.records);
+}
+
+#[test]
+fn disorder_is_refused_by_the_writer() {
+    let sum = BinSum::one([0.5; 3], false);
+    let mut writer = SegmentWriter::new(Vec::new()).unwrap();
+    writer.push(5, 1, &[(1, sum)]).unwrap();
+    assert!(writer.push(5, 1, &[(1, sum)]).is_err());
+    assert!(writer.push(6, 1, &[(2, sum), (2, sum)]).is_err());
+    assert!(writer.push(6, 1, &[(2, BinSum::default())]).is_err());
+}
+
+#[test]
+fn every_cut_and_every_flipped_byte_is_refused() {
+    let bytes = write(&random_triangles(&mut Pcg32::seed_from_u64(4), 2 * SHARD, 40));
+    for length in 0..bytes.len() {
+        assert!(open(&bytes[..length]).is_err(), "cut to {length}");
+    }
+    for at in 0..bytes.len() {
+        for bit in [0x01, 0x80] {
+            let mut flipped = bytes.clone();
+            flipped[at] ^= bit;
+            let verdict = open(&flipped).and_then(|s| s.verify());
+            assert!(verdict.is_err(), "byte {at} of {}", bytes.len());
+        }
+    }
+}
+
+#[test]
+fn a_forged_block_is_refused_however_it_is_filled() {
+    // Checksums that fit: what is left to hold are the decoder's own bounds.
+    let mut rng = Pcg32::seed_from_u64(5);
+    for _ in 0..300 {
+        let raw: Vec<u8> = (0..rng.random_range(0..200)).map(|_| rng.random_range(0..24)).collect();
+        let compressed = zstd::bulk::compress(&raw, 1).unwrap();
+        let _ = block::decode(&compressed, rng.random_range(0..3), 2, 3);
+        let _ = block::decode(&raw, 0, 2, 3);
+    }
+    let bomb = zstd::bulk::compress(&vec![0; 1 << 26], 1).unwrap();
+    assert!(block::decode(&bomb, 0, 1, 1).is_err());
+}
