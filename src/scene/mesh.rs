@@ -25,8 +25,8 @@ pub enum MeshError {
     /// More faces than ids.
     #[error("the mesh has {0} triangles; at most 4294967294 are allowed")]
     TooMany(usize),
-    /// NaN or infinity.
-    #[error("vertex {vertex} is ({}, {}, {}): every coordinate must be finite", at.x, at.y, at.z)]
+    /// NaN, infinity, or too far from the others.
+    #[error("vertex {vertex} is ({}, {}, {}): coordinates must be finite and within 1e12 of the mesh's centre", at.x, at.y, at.z)]
     NotFinite {
         /// Its position, counted from 0.
         vertex: usize,
@@ -65,7 +65,11 @@ impl Mesh {
         let low = vertices.iter().copied().fold(DVec3::INFINITY, DVec3::min);
         let high = vertices.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
         let origin = low * 0.5 + high * 0.5;
-        let positions = vertices.iter().map(|v| (*v - origin).as_vec3()).collect();
+        let positions: Vec<Vec3> = vertices.iter().map(|v| (*v - origin).as_vec3()).collect();
+        // Up to here, products of three coordinates stay within f32.
+        if let Some(vertex) = positions.iter().position(|p| p.is_nan() || p.abs().max_element() > 1e12) {
+            return Err(MeshError::NotFinite { vertex, at: vertices[vertex] });
+        }
         Ok(Mesh { origin, positions, triangles })
     }
 
@@ -101,5 +105,48 @@ impl Mesh {
     /// How many triangles have no area: they are kept, so that ids stay those of the file, and never hit.
     pub fn degenerate(&self) -> usize {
         (0..self.len() as TriangleId).filter(|&t| self.normal(t).is_none()).count()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn triangle(at: DVec3) -> [DVec3; 3] {
+        [at, at + DVec3::X, at + DVec3::Y]
+    }
+
+    #[test]
+    fn utm_coordinates_keep_their_millimetres() {
+        let utm = DVec3::new(545_123.0, 5_812_345.0, 87.0);
+        let mesh = Mesh::new(&triangle(utm).map(|v| v + DVec3::splat(0.001)), vec![[0, 1, 2]]).unwrap();
+        let [a, b, _] = mesh.corners(0);
+        assert!((a.as_dvec3() + mesh.origin - (utm + DVec3::splat(0.001))).length() < 1e-6);
+        assert_eq!((b - a).x, 1.0);
+        assert_eq!(mesh.normal(0), Some(Vec3::Z));
+    }
+
+    #[test]
+    fn what_is_no_mesh_is_refused_with_the_number() {
+        let v = triangle(DVec3::ZERO);
+        assert_eq!(Mesh::new(&v, vec![]), Err(MeshError::NoFaces));
+        let bad = Mesh::new(&[v[0], DVec3::NAN, v[2]], vec![[0, 1, 2]]).unwrap_err();
+        assert!(matches!(bad, MeshError::NotFinite { vertex: 1, .. }), "{bad}");
+        let bad = Mesh::new(&v, vec![[0, 1, 2], [0, 1, 3]]).unwrap_err();
+        assert_eq!(bad, MeshError::OutOfRange { face: 1, index: 3, vertices: 3 });
+    }
+
+    #[test]
+    fn triangles_without_area_are_counted_and_have_no_frame() {
+        let v = [DVec3::ZERO, DVec3::X, DVec3::X * 2.0, DVec3::Y];
+        let mesh = Mesh::new(&v, vec![[0, 1, 2], [0, 0, 1], [0, 1, 3]]).unwrap();
+        assert_eq!(mesh.degenerate(), 2);
+        assert!(mesh.lobe_frame(0).is_none() && mesh.lobe_frame(2).is_some());
+    }
+
+    #[test]
+    fn extreme_coordinates_stay_finite() {
+        let far = [DVec3::splat(-1e300), DVec3::splat(1e300), DVec3::ZERO];
+        assert!(matches!(Mesh::new(&far, vec![[0, 1, 2]]), Err(MeshError::NotFinite { .. })));
     }
 }

@@ -27,7 +27,9 @@ pub fn bin_of(direction: Vec3) -> Bin {
     let theta = direction.z.clamp(-1.0, 1.0).acos();
     let phi = direction.y.atan2(direction.x);
     let phi = if phi < 0.0 { phi + TAU } else { phi };
-    let row = ((theta * (ROWS as f32 / PI)) as usize).min(ROWS - 1);
+    // In f32 a direction a hair above the plane rounds onto it; the front stays in the front rows.
+    let last = if direction.z > 0.0 { ROWS / 2 - 1 } else { ROWS - 1 };
+    let row = ((theta * (ROWS as f32 / PI)) as usize).min(last);
     let column = ((phi * (COLUMNS as f32 / TAU)) as usize).min(COLUMNS - 1);
     (row * COLUMNS + column) as Bin
 }
@@ -140,5 +142,65 @@ impl SparseMap {
                 out[c * BINS + bin] = value;
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bin_centres_fall_into_their_bins() {
+        for bin in 0..BINS as Bin {
+            assert_eq!(bin_of(direction_of(bin)), bin);
+        }
+    }
+
+    #[test]
+    fn a_hair_above_the_plane_is_in_front() {
+        for z in [f32::MIN_POSITIVE, 1e-12, 1e-7] {
+            assert!(usize::from(bin_of(Vec3::new(1.0, 0.0, z))) < FRONT_BINS, "{z}");
+        }
+        assert_eq!(usize::from(bin_of(Vec3::Z)) / COLUMNS, 0);
+        assert_eq!(usize::from(bin_of(Vec3::NEG_Z)) / COLUMNS, ROWS - 1);
+        // A hair below +x: phi rounds to 2 pi and stays in the last column.
+        assert_eq!(usize::from(bin_of(Vec3::new(1.0, -1e-9, 0.0))) % COLUMNS, COLUMNS - 1);
+    }
+
+    #[test]
+    fn lobe_frames_are_orthonormal_and_switch_axis_near_x() {
+        for normal in [Vec3::Z, Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::new(1.0, 2.0, -3.0).normalize()] {
+            let f = LobeFrame::new(normal);
+            assert!(f.x.dot(f.z).abs() < 1e-6 && (f.x.cross(f.y) - f.z).length() < 1e-6, "{normal}");
+            let d = Vec3::new(0.6, 0.0, 0.8);
+            assert!((f.to_local(f.to_world(d)) - d).length() < 1e-6);
+        }
+        let tilted = |degrees: f32| {
+            let (sin, cos) = degrees.to_radians().sin_cos();
+            LobeFrame::new(Vec3::new(cos, 0.0, sin)).x
+        };
+        assert_eq!(tilted(7.9), Vec3::Y);
+        assert!(tilted(8.1).y.abs() < 1e-6);
+    }
+
+    #[test]
+    fn fixed_point_is_exact_to_its_step_and_takes_any_float() {
+        for (radiance, fixed) in [(0.0, 0), (1.0, 65_536), (0.5, 32_768), (-1.0, 0), (f32::NAN, 0), (1e9, 67_108_864)] {
+            assert_eq!(to_fixed(radiance), fixed, "{radiance}");
+        }
+        let mut sum = BinSum::one([0.25, 0.5, 1.0], false);
+        sum.add(&BinSum::one([0.75, 0.5, 1.0], true));
+        assert_eq!((sum.mean(), sum.count, sum.clipped), ([0.5, 0.5, 1.0], 2, 1));
+        assert_eq!(BinSum::default().mean(), [0.0; 3]);
+    }
+
+    #[test]
+    fn dense_maps_carry_coverage_in_the_fourth_channel() {
+        let map = SparseMap { bins: vec![(7, BinSum::one([0.5, 0.25, 1.0], false))] };
+        let mut out = vec![0.0; 4 * BINS];
+        map.write_dense(4, &mut out);
+        let at = |c: usize| out[c * BINS + 7];
+        assert_eq!([at(0), at(1), at(2), at(3)], [0.5, 0.25, 1.0, 1.0]);
+        assert_eq!(out.iter().filter(|v| **v != 0.0).count(), 4);
     }
 }
