@@ -11,6 +11,7 @@ pub mod material;
 pub mod mesh;
 pub mod pose;
 pub mod reflectance;
+pub mod view;
 
 pub use material::Material;
 pub use mesh::Mesh;

@@ -1,0 +1,116 @@
+//! A frame seen from the mesh: the rays of its pixels, in the mesh's coordinates.
+
+use glam::{DMat3, DVec2, DVec3, Vec3};
+
+use super::Mesh;
+use super::camera::Camera;
+use super::pose::Pose;
+
+/// A camera placed among the mesh's triangles.
+#[derive(Debug, Clone, PartialEq)]
+pub struct View {
+    camera: Camera,
+    to_world: DMat3,
+    centre: Vec3,
+}
+
+/// A rectangle of pixels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Tile {
+    /// First column.
+    pub x: u32,
+    /// First row.
+    pub y: u32,
+    /// Columns.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+}
+
+impl Tile {
+    /// The image positions (`row * image width + column`) of the tile's pixels, row by row.
+    pub fn pixels(self, image_width: u32) -> impl Iterator<Item = usize> {
+        let row = move |y| {
+            let start = y as usize * image_width as usize + self.x as usize;
+            start..start + self.width as usize
+        };
+        (self.y..self.y + self.height).flat_map(row)
+    }
+}
+
+impl View {
+    /// Places a camera; its pose is in the mesh file's coordinates.
+    pub fn new(camera: Camera, pose: &Pose, mesh: &Mesh) -> View {
+        let to_world = DMat3::from_quat(pose.rotation.inverse());
+        View { camera, to_world, centre: (pose.centre() - mesh.origin).as_vec3() }
+    }
+
+    /// The camera.
+    pub fn camera(&self) -> &Camera {
+        &self.camera
+    }
+
+    /// Centre of projection, relative to the mesh's origin.
+    pub fn centre(&self) -> Vec3 {
+        self.centre
+    }
+
+    /// Tiles of at most `side` x `side` pixels that cover the image, row by row.
+    pub fn tiles(&self, side: u32) -> impl Iterator<Item = Tile> + use<> {
+        let (w, h) = (self.camera.width, self.camera.height);
+        let corner = move |start: u32, end: u32| (start..end).step_by(side.max(1) as usize);
+        let row = move |y| corner(0, w).map(move |x| (x, y));
+        corner(0, h).flat_map(row).map(move |(x, y)| Tile {
+            x,
+            y,
+            width: side.max(1).min(w - x),
+            height: side.max(1).min(h - y),
+        })
+    }
+
+    /// Unit directions, in the world, through the centres of a tile's pixels, row by row; NaN where the lens sees
+    /// nothing. `out` is overwritten.
+    pub fn directions(&self, tile: Tile, out: &mut Vec<Vec3>) {
+        out.clear();
+        for y in tile.y..tile.y + tile.height {
+            for x in tile.x..tile.x + tile.width {
+                let pixel = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
+                let ray = self.camera.ray(pixel).unwrap_or(DVec3::NAN);
+                out.push((self.to_world * ray).as_vec3());
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::camera::Model;
+
+    fn view() -> View {
+        let mesh = Mesh::new(&[DVec3::ZERO, DVec3::X, DVec3::Y].map(|v| v + 1e6), vec![[0, 1, 2]]).unwrap();
+        let model = Model::Pinhole { f: DVec2::splat(50.0), c: DVec2::new(35.0, 20.0) };
+        let eye = mesh.origin + DVec3::Z * 10.0;
+        View::new(Camera { width: 70, height: 40, model }, &Pose::look_at(eye, mesh.origin, DVec3::Y), &mesh)
+    }
+
+    #[test]
+    fn tiles_cover_every_pixel_once() {
+        let view = view();
+        for side in [1, 7, 32, 100] {
+            let mut seen = vec![0; 70 * 40];
+            view.tiles(side).flat_map(|t| t.pixels(70)).for_each(|p| seen[p] += 1);
+            assert!(seen.iter().all(|&n| n == 1), "side {side}");
+        }
+    }
+
+    #[test]
+    fn rays_leave_the_centre_of_pixels() {
+        let (view, mut out) = (view(), Vec::new());
+        view.directions(Tile { x: 34, y: 19, width: 2, height: 2 }, &mut out);
+        assert!((view.centre() - Vec3::Z * 10.0).length() < 1e-5, "{}", view.centre());
+        // The principal point is the corner of four pixels: their rays lie around straight down.
+        assert!((out.iter().sum::<Vec3>() / 4.0).normalize().distance(Vec3::NEG_Z) < 1e-6);
+        assert!(out[0].x < 0.0 && out[0].y > 0.0 && out[3].x > 0.0 && out[3].y < 0.0, "{out:?}");
+    }
+}
