@@ -1,6 +1,9 @@
-//! Observations of one frame, summed by (triangle, bin): first within a tile, where most of them meet, then over the
-//! frame.
+//! Observations summed by (triangle, bin): first within a tile, where most of them meet, then over a frame, then over a
+//! group of frames.
 
+use std::io::{self, Write};
+
+use super::writer::SegmentWriter;
 use crate::base::ids::TriangleId;
 use crate::scene::reflectance::{Bin, BinSum};
 
@@ -73,4 +76,49 @@ pub(super) fn sum_equal_keys(records: &mut Vec<Record>) {
         }
         same
     });
+}
+
+/// The records of a group of frames, gathered until its segment is written.
+#[derive(Debug, Default)]
+pub struct GroupRows {
+    records: Vec<Record>,
+    /// A triangle once for every frame that saw it.
+    seen: Vec<TriangleId>,
+}
+
+impl GroupRows {
+    /// Adds a frame's rows.
+    pub fn add(&mut self, frame: FrameRows) {
+        let mut last = None;
+        for record in &frame.records {
+            if last.replace(record.triangle) != Some(record.triangle) {
+                self.seen.push(record.triangle);
+            }
+        }
+        self.records.extend(frame.records);
+    }
+
+    /// Bytes of memory held.
+    pub fn bytes(&self) -> u64 {
+        (self.records.capacity() * size_of::<Record>() + self.seen.capacity() * size_of::<TriangleId>()) as u64
+    }
+
+    /// Writes the group's segment and empties the group. Gives the number of records written.
+    pub fn write<W: Write>(&mut self, out: W) -> io::Result<(W, u64)> {
+        sum_equal_keys(&mut self.records);
+        self.seen.sort_unstable();
+        let mut writer = SegmentWriter::new(out)?;
+        let (mut bins, mut seen) = (Vec::new(), self.seen.as_slice());
+        for own in self.records.chunk_by(|a, b| a.triangle == b.triangle) {
+            let triangle = own[0].triangle;
+            let (frames, rest) = seen.split_at(seen.partition_point(|&t| t == triangle));
+            seen = rest;
+            bins.clear();
+            bins.extend(own.iter().map(|r| (r.bin, r.sum)));
+            writer.push(triangle, frames.len() as u32, &bins)?;
+        }
+        let records = self.records.len() as u64;
+        (self.records, self.seen) = (Vec::new(), Vec::new());
+        Ok((writer.finish()?, records))
+    }
 }

@@ -17,7 +17,7 @@ pub mod writer;
 #[cfg(test)]
 mod tests;
 
-pub use accumulate::{FrameRows, Record};
+pub use accumulate::{Accumulator, FrameRows, GroupRows, Record};
 pub use merge::{ShardMaps, merge_shard};
 pub use reader::Segment;
 pub use writer::SegmentWriter;

@@ -4,7 +4,7 @@ use rand::seq::SliceRandom;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
 
-use super::accumulate::{Accumulator, sum_equal_keys};
+use super::accumulate::sum_equal_keys;
 use super::format::SHARD;
 use super::*;
 use crate::scene::reflectance::{BINS, Bin, BinSum, SparseMap};
@@ -142,4 +142,24 @@ fn a_forged_block_is_refused_however_it_is_filled() {
     }
     let bomb = zstd::bulk::compress(&vec![0; 1 << 26], 1).unwrap();
     assert!(block::decode(&bomb, 0, 1, 1).is_err());
+}
+
+#[test]
+fn a_group_counts_the_frames_that_saw_a_triangle() {
+    let sum = BinSum::one([0.5; 3], false);
+    let frame = |keys: &[(u32, Bin)]| {
+        let mut a = Accumulator::default();
+        keys.iter().for_each(|&(t, b)| a.observe(t, b, sum));
+        a.finish()
+    };
+    let mut group = GroupRows::default();
+    group.add(frame(&[(3, 1), (3, 2), (9, 5)]));
+    group.add(FrameRows::default());
+    group.add(frame(&[(3, 2), (5000, 1)]));
+    let (bytes, records) = group.write(Vec::new()).unwrap();
+    assert_eq!(records, 4);
+    let mut twice = sum;
+    twice.add(&sum);
+    let expected = vec![(3, 2, vec![(1, sum), (2, twice)]), (9, 1, vec![(5, sum)]), (5000, 1, vec![(1, sum)])];
+    assert_eq!(read(&[open(&bytes).unwrap()]), expected);
 }
