@@ -1,0 +1,186 @@
+//! How a run stops before its end: the shared signal, the first cause, and the bomb in every thread.
+
+use std::any::Any;
+use std::convert::Infallible;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
+
+use crossbeam_channel::{Receiver, Sender, select_biased};
+
+use super::lock;
+use crate::base::{Error, Result};
+
+/// Stops a run, in one of two ways; cloning shares it. One for the whole run: what has been halted stays so.
+///
+/// Drain asks sources to end early and lets what is in flight be finished. Halt ends every wait at once.
+#[derive(Debug, Clone)]
+pub struct StopSignal(Arc<Shared>);
+
+#[derive(Debug)]
+struct Shared {
+    /// In an `Arc` of its own, since a signal handler may do no more than set a flag.
+    draining: Arc<AtomicBool>,
+    halted: AtomicBool,
+    cause: Mutex<Option<Error>>,
+    /// Nothing is ever sent here. Dropping it closes `wake`, which all who wait listen to.
+    awake: Mutex<Option<Sender<Infallible>>>,
+    wake: Receiver<Infallible>,
+}
+
+impl Default for StopSignal {
+    fn default() -> Self {
+        let (awake, wake) = crossbeam_channel::bounded(0);
+        StopSignal(Arc::new(Shared {
+            draining: Arc::default(),
+            halted: AtomicBool::new(false),
+            cause: Mutex::new(None),
+            awake: Mutex::new(Some(awake)),
+            wake,
+        }))
+    }
+}
+
+impl StopSignal {
+    /// A signal that nobody has given yet.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Asks sources to end; what is in flight is finished and committed.
+    pub fn drain(&self) {
+        self.0.draining.store(true, Ordering::SeqCst);
+    }
+
+    /// Whether sources should end: the run drains or has halted.
+    pub fn draining(&self) -> bool {
+        self.0.draining.load(Ordering::SeqCst) || self.halted()
+    }
+
+    /// Stops everything at once. The first error that is not itself the consequence of a stop
+    /// ([`Error::is_interrupt`]) is kept as the cause.
+    pub fn halt(&self, why: Error) {
+        if !why.is_interrupt() {
+            lock(&self.0.cause).get_or_insert(why);
+        }
+        self.0.halted.store(true, Ordering::SeqCst);
+        lock(&self.0.awake).take();
+    }
+
+    /// Whether everything is to stop at once.
+    pub fn halted(&self) -> bool {
+        self.0.halted.load(Ordering::SeqCst)
+    }
+
+    /// The flag that a signal handler sets to drain.
+    pub(super) fn drain_flag(&self) -> Arc<AtomicBool> {
+        Arc::clone(&self.0.draining)
+    }
+
+    /// Takes the first cause out, if there was one.
+    pub(super) fn take_cause(&self) -> Option<Error> {
+        lock(&self.0.cause).take()
+    }
+
+    /// Waits for a message: `None` when the channel has closed, an error when the run halts first.
+    pub(super) fn recv<T>(&self, from: &Receiver<T>) -> Result<Option<T>> {
+        select_biased! {
+            recv(self.0.wake) -> _ => Err(Error::Interrupted),
+            recv(from) -> got => Ok(got.ok()),
+        }
+    }
+
+    /// Waits for room and sends: an error when the channel has closed or the run halts first.
+    pub(super) fn send<T>(&self, to: &Sender<T>, item: T) -> Result<()> {
+        select_biased! {
+            recv(self.0.wake) -> _ => Err(Error::Interrupted),
+            send(to, item) -> sent => sent.map_err(|_| Error::Interrupted),
+        }
+    }
+}
+
+/// Halts the run unless defused: every thread carries one, so that none can die unnoticed.
+#[derive(Debug)]
+#[must_use]
+pub(super) struct Bomb {
+    stop: StopSignal,
+    stage: String,
+    armed: bool,
+}
+
+impl Bomb {
+    /// A bomb for one thread of a stage.
+    pub(super) fn arm(stop: &StopSignal, stage: &str) -> Self {
+        Bomb { stop: stop.clone(), stage: stage.to_owned(), armed: true }
+    }
+
+    /// The thread ended well.
+    pub(super) fn defuse(mut self) {
+        self.armed = false;
+    }
+
+    /// The thread ended with an error.
+    pub(super) fn blow(mut self, why: Error) {
+        self.armed = false;
+        self.stop.halt(why);
+    }
+
+    /// The thread panicked.
+    pub(super) fn blow_panic(self, payload: &(dyn Any + Send)) {
+        let words = payload.downcast_ref::<&str>().copied();
+        let words = words.or_else(|| payload.downcast_ref::<String>().map(String::as_str));
+        let why = Error::Panic { stage: self.stage.clone(), message: words.unwrap_or("without words").to_owned() };
+        self.blow(why);
+    }
+}
+
+impl Drop for Bomb {
+    fn drop(&mut self) {
+        if self.armed {
+            self.stop.halt(Error::Panic { stage: self.stage.clone(), message: "its thread died".to_owned() });
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_cause_is_kept_and_consequences_are_not() {
+        let stop = StopSignal::new();
+        assert!(!stop.draining());
+        stop.halt(Error::Interrupted);
+        stop.halt(Error::Interrupted.doing("passing on"));
+        assert!(stop.halted() && stop.draining());
+        stop.halt(Error::invalid("first"));
+        stop.halt(Error::invalid("second"));
+        assert_eq!(stop.take_cause().map(|e| e.to_string()).as_deref(), Some("first"));
+        assert!(stop.take_cause().is_none());
+    }
+
+    #[test]
+    fn a_bomb_goes_off_unless_defused() {
+        let stop = StopSignal::new();
+        Bomb::arm(&stop, "a").defuse();
+        assert!(!stop.halted());
+        let inner = stop.clone();
+        let died = std::thread::spawn(move || {
+            let _bomb = Bomb::arm(&inner, "b");
+            panic!("on purpose");
+        });
+        assert!(died.join().is_err());
+        assert!(matches!(stop.take_cause(), Some(Error::Panic { stage, .. }) if stage == "b"));
+    }
+
+    #[test]
+    fn a_halt_wakes_those_who_wait() {
+        let stop = StopSignal::new();
+        let (_tx, rx) = crossbeam_channel::bounded::<u8>(0);
+        let waiting = {
+            let stop = stop.clone();
+            std::thread::spawn(move || stop.recv(&rx).is_err_and(|e| e.is_interrupt()))
+        };
+        stop.halt(Error::invalid("enough"));
+        assert!(waiting.join().unwrap());
+    }
+}
