@@ -78,7 +78,7 @@ fn segments_merge_to_the_same_in_any_order() {
         assert_eq!(read(&order.iter().map(|&i| open(&bytes[i]).unwrap()).collect::<Vec<_>>()), expected);
     }
     let observations = |t: &Triangles| t.iter().flat_map(|t| &t.2).map(|b| u64::from(b.1.count)).sum::<u64>();
-    assert_eq!(observations(&expected), parts.iter().map(observations).sum());
+    assert_eq!(observations(&expected), parts.iter().map(observations).sum::<u64>());
 }
 
 #[test]
