@@ -1,0 +1,145 @@
+//! A store that is a folder.
+
+use std::fs::{self, File};
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use super::atomic::{AtomicFile, sync_folder_of};
+use super::store::{Content, Sink, Store, TEMPORARY, check_name};
+use crate::base::{Error, Result};
+
+/// A folder as a store. Links to folders within it are not followed when it is listed or swept.
+#[derive(Debug, Clone)]
+pub struct DirStore {
+    root: PathBuf,
+}
+
+impl DirStore {
+    /// The store in this folder, which is made with the first file.
+    pub fn new(root: impl Into<PathBuf>) -> Self {
+        DirStore { root: root.into() }
+    }
+
+    /// The folder.
+    pub fn root(&self) -> &Path {
+        &self.root
+    }
+
+    fn locate(&self, name: &str) -> Result<PathBuf> {
+        check_name(name)?;
+        Ok(self.root.join(name))
+    }
+
+    /// Calls `found` with the name of every file in a folder and below.
+    fn walk(&self, folder: &str, found: &mut dyn FnMut(String)) -> Result<()> {
+        let path = self.root.join(folder);
+        let entries = match fs::read_dir(&path) {
+            Ok(entries) => entries,
+            Err(why) if why.kind() == io::ErrorKind::NotFound => return Ok(()),
+            Err(why) => return Err(Error::io("list", &path)(why)),
+        };
+        for entry in entries {
+            let entry = entry.map_err(Error::io("list", &path))?;
+            // A name that is no text is none of ours.
+            let Ok(name) = entry.file_name().into_string() else { continue };
+            let name = if folder.is_empty() { name } else { format!("{folder}/{name}") };
+            let kind = entry.file_type().map_err(Error::io("list", entry.path()))?;
+            if kind.is_dir() {
+                self.walk(&name, found)?;
+            } else if kind.is_file() {
+                found(name);
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Store for DirStore {
+    fn begin(&self, name: &str) -> Result<Box<dyn Sink>> {
+        let path = self.locate(name)?;
+        if let Some(parent) = path.parent() {
+            make_folders(parent)?;
+        }
+        Ok(Box::new(AtomicFile::create(&path)?))
+    }
+
+    fn open(&self, name: &str) -> Result<Content> {
+        let path = self.locate(name)?;
+        let file = File::open(&path).map_err(Error::io("open", &path))?;
+        // SAFETY: what is committed is never written again: it is replaced by renaming and removed by unlinking, both
+        // of which leave a mapped file whole, and the lock keeps other runs away. A stranger who cuts the file short
+        // while it is mapped ends the process with SIGBUS; copying tens of gigabytes to rule that out is no bargain.
+        let map = unsafe { memmap2::Mmap::map(&file) }.map_err(Error::io("map", &path))?;
+        Ok(Content::Mapped(Arc::new(map)))
+    }
+
+    fn size(&self, name: &str) -> Result<Option<u64>> {
+        let path = self.locate(name)?;
+        match fs::metadata(&path) {
+            Ok(found) => Ok(found.is_file().then_some(found.len())),
+            Err(why) if matches!(why.kind(), io::ErrorKind::NotFound | io::ErrorKind::NotADirectory) => Ok(None),
+            Err(why) => Err(Error::io("look at", &path)(why)),
+        }
+    }
+
+    fn list(&self, folder: &str) -> Result<Vec<String>> {
+        if !folder.is_empty() {
+            check_name(folder)?;
+        }
+        let mut names = Vec::new();
+        self.walk(folder, &mut |name| {
+            if !name.ends_with(TEMPORARY) {
+                names.push(name);
+            }
+        })?;
+        names.sort();
+        Ok(names)
+    }
+
+    fn remove(&self, name: &str) -> Result<()> {
+        let path = self.locate(name)?;
+        fs::remove_file(&path).map_err(Error::io("remove", &path))
+    }
+
+    fn sweep(&self) -> Result<Vec<String>> {
+        let mut names = Vec::new();
+        self.walk("", &mut |name| {
+            if name.ends_with(TEMPORARY) {
+                names.push(name);
+            }
+        })?;
+        names.sort();
+        for name in &names {
+            let path = self.root.join(name);
+            fs::remove_file(&path).map_err(Error::io("remove", &path))?;
+        }
+        Ok(names)
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.root.join(name)
+    }
+}
+
+impl Sink for AtomicFile {
+    fn commit(self: Box<Self>, replace: bool) -> Result<()> {
+        AtomicFile::commit(*self, replace)
+    }
+}
+
+/// Makes a folder and those above it, durably.
+fn make_folders(folder: &Path) -> Result<()> {
+    if folder.is_dir() || folder == Path::new("") {
+        return Ok(());
+    }
+    if let Some(above) = folder.parent() {
+        make_folders(above)?;
+    }
+    match fs::create_dir(folder) {
+        Ok(()) => sync_folder_of(folder),
+        // Another thread was faster.
+        Err(_) if folder.is_dir() => Ok(()),
+        Err(why) => Err(Error::io("create folder", folder)(why)),
+    }
+}

@@ -1,0 +1,61 @@
+//! One run a folder. The lock is the system's, on an open file, so that it ends with its process however that ends; the
+//! process id in the file is for people. The file itself stays: to remove it would let two runs lock two files.
+
+use std::fs::{self, File, OpenOptions, TryLockError};
+use std::io::{Read, Seek, Write};
+use std::path::Path;
+
+use crate::base::{Error, Result};
+
+/// The name of the lock's file in the run's folder.
+pub const LOCK: &str = "lock";
+
+/// Keeps other runs out of a folder as long as it lives.
+#[derive(Debug)]
+#[must_use = "the folder is locked only while this lives"]
+pub struct Lock {
+    file: File,
+}
+
+impl Lock {
+    /// Locks a folder, which is made if it is not there.
+    ///
+    /// # Errors
+    /// `Error::Invalid` that names the other process, if there is one.
+    pub fn acquire(folder: impl AsRef<Path>) -> Result<Lock> {
+        let folder = folder.as_ref();
+        fs::create_dir_all(folder).map_err(Error::io("create folder", folder))?;
+        let path = folder.join(LOCK);
+        let file = OpenOptions::new()
+            .read(true)
+            .write(true)
+            .create(true)
+            .truncate(false)
+            .open(&path)
+            .map_err(Error::io("open", &path))?;
+        match file.try_lock() {
+            Ok(()) => {}
+            Err(TryLockError::WouldBlock) => {
+                let mut text = String::new();
+                // Who holds it may not have written yet, and what is there may be anything.
+                (&file).take(20).read_to_string(&mut text).unwrap_or_default();
+                let who =
+                    text.trim().parse::<u32>().map_or("another process".to_owned(), |pid| format!("process {pid}"));
+                return Err(Error::invalid(format!(
+                    "{} is in use by {who}: wait for it to end, or give this run another `[run] work`",
+                    folder.display()
+                )));
+            }
+            Err(TryLockError::Error(why)) => return Err(Error::io("lock", &path)(why)),
+        }
+        let mut lock = Lock { file };
+        lock.sign().map_err(Error::io("write", &path))?;
+        Ok(lock)
+    }
+
+    fn sign(&mut self) -> std::io::Result<()> {
+        self.file.set_len(0)?;
+        self.file.rewind()?;
+        writeln!(self.file, "{}", std::process::id())
+    }
+}

@@ -1,0 +1,144 @@
+//! Sealed files: any bytes, and a footer that tells a whole file from anything else. Integers are little endian.
+//!
+//! ```text
+//! body      any number of bytes
+//! length    u64      bytes of the body
+//! version   u32      of the body's layout
+//! crc32     u32      of body, length, version and magic
+//! magic     8 bytes  what kind of file this is
+//! ```
+//!
+//! The magic stands last, so that a file that was cut short does not carry it. Every byte of the file is covered: the
+//! length by the file's own size too, and the crc32 by itself.
+
+use std::io::{self, Write};
+use std::ops::Deref;
+
+use super::store::{Content, Draft, FileEntry, Store};
+use crate::base::{Error, Result};
+
+/// Bytes of the footer.
+const FOOTER: usize = 24;
+
+/// A kind of sealed file, and the version of its layout that this program reads and writes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Seal {
+    /// Its last eight bytes.
+    pub magic: [u8; 8],
+    /// The version of its layout.
+    pub version: u32,
+    /// What messages call it: "scene cache".
+    pub kind: &'static str,
+}
+
+/// A sealed file that is being written.
+pub struct SealedWriter {
+    draft: Draft,
+    seal: Seal,
+    crc: crc32fast::Hasher,
+    length: u64,
+}
+
+/// A sealed file whose seal was found whole; it derefs to the body.
+#[derive(Debug, Clone)]
+pub struct Sealed {
+    content: Content,
+    length: usize,
+}
+
+impl Seal {
+    /// Begins a file of this kind.
+    pub fn create(&self, store: &dyn Store, name: &str) -> Result<SealedWriter> {
+        Ok(SealedWriter { draft: store.create(name)?, seal: *self, crc: crc32fast::Hasher::new(), length: 0 })
+    }
+
+    /// Opens a file of this kind, reading all of it once.
+    ///
+    /// # Errors
+    /// `Error::Malformed` in words where the file is cut short, of another kind or version, or has changed.
+    pub fn open(&self, store: &dyn Store, name: &str) -> Result<Sealed> {
+        let content = store.open(name)?;
+        match self.length(&content) {
+            Ok(length) => Ok(Sealed { content, length }),
+            Err(found) => Err(Error::malformed(store.path(name), found)),
+        }
+    }
+
+    /// The body's length, once all has been checked.
+    fn length(&self, bytes: &[u8]) -> Result<usize, String> {
+        let kind = self.kind;
+        let (body, footer) = bytes.split_last_chunk::<FOOTER>().ok_or_else(|| {
+            format!("{} bytes are too few for a {kind}, whose footer alone has {FOOTER}: it was cut short", bytes.len())
+        })?;
+        let word = |at: usize| u32::from_le_bytes([footer[at], footer[at + 1], footer[at + 2], footer[at + 3]]);
+        if footer[16..] != self.magic {
+            let (found, wanted) = (footer[16..].escape_ascii(), self.magic.escape_ascii());
+            return Err(format!(
+                "ends in \"{found}\", but a {kind} ends in \"{wanted}\": it was cut short, or is none"
+            ));
+        }
+        if word(8) != self.version {
+            let (found, wanted) = (word(8), self.version);
+            return Err(format!(
+                "{kind} of version {found}; this gonio reads version {wanted}: remove it to have it made again"
+            ));
+        }
+        let length = u64::from(word(0)) | u64::from(word(4)) << 32;
+        if length != body.len() as u64 {
+            return Err(format!("the footer says {length} bytes, but {} come before it", body.len()));
+        }
+        if word(12) != self.checksum(crc32fast::hash(body), length) {
+            return Err(format!("the {kind} fails its checksum: it has changed since it was written"));
+        }
+        Ok(body.len())
+    }
+
+    /// The checksum in the footer, from that of the body.
+    fn checksum(&self, body: u32, length: u64) -> u32 {
+        let mut crc = crc32fast::Hasher::new_with_initial(body);
+        crc.update(&length.to_le_bytes());
+        crc.update(&self.version.to_le_bytes());
+        crc.update(&self.magic);
+        crc.finalize()
+    }
+}
+
+impl Write for SealedWriter {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let written = self.draft.write(bytes)?;
+        self.crc.update(&bytes[..written]);
+        self.length += written as u64;
+        Ok(written)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.draft.flush()
+    }
+}
+
+impl SealedWriter {
+    /// Writes the footer and makes the file durable. Refused where the name is taken.
+    pub fn seal(mut self) -> Result<FileEntry> {
+        let mut footer = [0; FOOTER];
+        footer[..8].copy_from_slice(&self.length.to_le_bytes());
+        footer[8..12].copy_from_slice(&self.seal.version.to_le_bytes());
+        footer[12..16].copy_from_slice(&self.seal.checksum(self.crc.finalize(), self.length).to_le_bytes());
+        footer[16..].copy_from_slice(&self.seal.magic);
+        self.draft.write_all(&footer).map_err(Error::io("write", self.draft.path()))?;
+        self.draft.commit()
+    }
+}
+
+impl Deref for Sealed {
+    type Target = [u8];
+
+    fn deref(&self) -> &[u8] {
+        &self.content[..self.length]
+    }
+}
+
+impl AsRef<[u8]> for Sealed {
+    fn as_ref(&self) -> &[u8] {
+        self
+    }
+}

@@ -1,0 +1,139 @@
+//! What every store must do, and what only a folder can get wrong.
+
+use std::fs;
+use std::io::Write;
+
+use super::{mangle, on_each_store, put};
+use crate::disk::store::check_name;
+use crate::disk::{DirStore, Store};
+
+#[test]
+fn what_is_committed_is_read_back() {
+    on_each_store(|store| {
+        let large: Vec<u8> = (0..1_000_003u32).map(|n| (n % 251) as u8).collect();
+        for (name, bytes) in [("a", &b""[..]), ("b/c.seg", b"xyz"), ("b/d/e", &large)] {
+            let entry = put(&*store, name, bytes);
+            assert_eq!((entry.name.as_str(), entry.bytes), (name, bytes.len() as u64));
+            assert_eq!(entry.checksum, blake3::hash(bytes).to_hex().as_str());
+            assert_eq!(&*store.open(name).unwrap(), bytes);
+            assert_eq!(&*entry.verify(&*store).unwrap(), bytes);
+            assert_eq!(store.size(name).unwrap(), Some(bytes.len() as u64));
+        }
+        assert_eq!(store.list("").unwrap(), ["a", "b/c.seg", "b/d/e"]);
+        assert_eq!(store.list("b").unwrap(), ["b/c.seg", "b/d/e"]);
+        assert_eq!(store.list("none").unwrap(), [""; 0]);
+        assert_eq!(store.size("b").unwrap(), None, "a folder is no file");
+    });
+}
+
+#[test]
+fn a_draft_is_not_there_until_it_is_committed() {
+    on_each_store(|store| {
+        let mut draft = store.create("a").unwrap();
+        draft.write_all(&[7; 300_000]).unwrap();
+        draft.flush().unwrap();
+        assert_eq!(store.size("a").unwrap(), None);
+        assert!(store.list("").unwrap().is_empty() && store.open("a").is_err());
+        drop(draft);
+        assert_eq!(store.size("a").unwrap(), None);
+        assert!(store.sweep().unwrap().is_empty(), "a dropped draft leaves nothing");
+    });
+}
+
+#[test]
+fn files_are_written_once_or_replaced_whole() {
+    on_each_store(|store| {
+        put(&*store, "a", b"first");
+        let mut second = store.create("a").unwrap();
+        second.write_all(b"second").unwrap();
+        let why = second.commit().unwrap_err().to_string();
+        assert!(why.contains("it is there already"), "{why}");
+        let old = store.open("a").unwrap();
+        assert_eq!(&*old, b"first");
+        mangle(&*store, "a", b"third");
+        assert_eq!((&*store.open("a").unwrap(), &*old), (&b"third"[..], &b"first"[..]));
+        store.remove("a").unwrap();
+        assert_eq!(&*old, b"first", "open bytes outlive the file");
+        assert!(store.remove("a").unwrap_err().to_string().starts_with("cannot remove "));
+        assert!(store.open("a").unwrap_err().to_string().starts_with("cannot open "));
+    });
+}
+
+#[test]
+fn two_drafts_of_one_name_do_not_mix() {
+    on_each_store(|store| {
+        let (mut a, mut b) = (store.create("x").unwrap(), store.create("x").unwrap());
+        a.write_all(b"aaaa").unwrap();
+        b.write_all(b"b").unwrap();
+        a.commit().unwrap();
+        assert!(b.commit().is_err());
+        assert_eq!(&*store.open("x").unwrap(), b"aaaa");
+    });
+}
+
+#[test]
+fn names_stay_inside() {
+    let long = "n".repeat(201);
+    let bad =
+        ["", "/", "/etc/passwd", "..", "../a", "a/../../b", "a//b", "a/", "./a", ".", "a\\b", "a\0b", "c:x", "a\n"];
+    for name in bad.into_iter().chain(["x.gonio-tmp", &long]) {
+        assert!(check_name(name).is_err(), "{name:?}");
+        on_each_store(|store| {
+            assert!(store.create(name).is_err() && store.open(name).is_err() && store.remove(name).is_err());
+            assert!(store.size(name).is_err() && (name.is_empty() || store.list(name).is_err()), "{name:?}");
+        });
+    }
+    for name in ["a", "a.b", "..a", "segments/0001.seg", ".hidden", "ünï cöde"] {
+        assert!(check_name(name).is_ok(), "{name:?}");
+    }
+}
+
+#[test]
+fn a_changed_file_is_found_out_by_its_entry() {
+    on_each_store(|store| {
+        let entry = put(&*store, "a", b"abc");
+        for other in [&b"abd"[..], b"ab", b"abcd", b""] {
+            mangle(&*store, "a", other);
+            let why = entry.verify(&*store).unwrap_err().to_string();
+            assert!(why.contains("the file has changed since it was written"), "{why}");
+        }
+    });
+}
+
+#[test]
+fn threads_may_write_at_once() {
+    on_each_store(|store| {
+        std::thread::scope(|scope| {
+            for t in 0..4u8 {
+                let store = &store;
+                scope.spawn(move || (0..8).for_each(|n| drop(put(&**store, &format!("d{n}/{t}"), &[t; 100]))));
+            }
+        });
+        assert_eq!(store.list("").unwrap().len(), 32);
+    });
+}
+
+#[test]
+fn a_folder_is_swept_of_temporary_files_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let store = DirStore::new(folder.path());
+    put(&store, "segments/a.seg", b"a");
+    fs::write(folder.path().join("photo.jpg"), "mine").unwrap();
+    fs::write(folder.path().join("segments/b.seg.77-3.gonio-tmp"), "torn").unwrap();
+    assert_eq!(store.list("").unwrap(), ["photo.jpg", "segments/a.seg"]);
+    assert_eq!(store.sweep().unwrap(), ["segments/b.seg.77-3.gonio-tmp"]);
+    assert!(store.sweep().unwrap().is_empty());
+    assert_eq!(store.list("").unwrap(), ["photo.jpg", "segments/a.seg"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn links_are_not_followed_when_swept() {
+    let outside = tempfile::tempdir().unwrap();
+    fs::write(outside.path().join("x.gonio-tmp"), "not ours").unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    std::os::unix::fs::symlink(outside.path(), folder.path().join("segments")).unwrap();
+    let store = DirStore::new(folder.path());
+    assert!(store.sweep().unwrap().is_empty());
+    assert!(outside.path().join("x.gonio-tmp").exists());
+}
