@@ -1,1 +1,3 @@
 //! Data with a known truth: spheres, sparse maps, a city.
+
+pub mod sparse;
