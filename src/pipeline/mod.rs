@@ -1,1 +1,107 @@
 //! From a pipeline file to a finished run: raw, check, plan, resume, exec.
+//!
+//! `check::load` reads a file and answers with a [`Pipeline`] or with every `Problem` that it has.
+//! A `Pipeline` is checked: its values are in range, its paths are resolved, and its inputs were there. From then on
+//! nothing asks the file again. `plan` says what a run will take, [`exec`] runs it, [`report`] is what it leaves.
+
+pub mod exec;
+pub mod progress;
+pub mod report;
+
+pub use progress::Progress;
+pub use report::Report;
+
+use std::path::PathBuf;
+
+use serde::Serialize;
+
+use crate::base::units::Bytes;
+use crate::stages::{Choice, cast, decode, export, gather, infer, merge};
+
+/// A pipeline file, checked.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Pipeline {
+    /// The file that it came from.
+    pub file: PathBuf,
+    /// The inputs.
+    pub scene: Scene,
+    /// How images become radiance.
+    pub decode: decode::Config,
+    /// How radiance becomes observations.
+    pub cast: cast::Config,
+    /// How observations become segments.
+    pub gather: gather::Config,
+    /// How maps become materials.
+    pub infer: infer::Config,
+    /// What becomes of triangles that were hardly seen.
+    pub merge: merge::Config,
+    /// What is known of the light.
+    pub light: Light,
+    /// What is written for others.
+    pub export: export::Config,
+    /// Where and with how much a run runs.
+    pub run: Run,
+}
+
+/// Section `[scene]`: the inputs. All paths are resolved.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scene {
+    /// The triangle mesh.
+    pub mesh: PathBuf,
+    /// The folder of images that the poses name.
+    pub images: PathBuf,
+    /// The folder of masks, `NAME.png` for an image `NAME`, 0 where a pixel is to be ignored.
+    pub masks: Option<PathBuf>,
+    /// Where the cameras stand.
+    pub poses: Poses,
+}
+
+/// Key `poses` of `[scene]`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Poses {
+    /// The format.
+    pub format: PosesFormat,
+    /// The file or folder.
+    pub path: PathBuf,
+}
+
+/// A format of camera poses.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PosesFormat {
+    /// The folder of a COLMAP sparse model, binary or text.
+    Colmap,
+}
+
+impl Choice for PosesFormat {
+    const NAMES: &'static [(&'static str, Self)] = &[("colmap", PosesFormat::Colmap)];
+}
+
+/// Section `[light]`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Light {
+    /// How the light is known.
+    pub mode: LightMode,
+}
+
+/// How the light is known.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum LightMode {
+    /// It is not: the network sees reflectance maps alone.
+    Unknown,
+}
+
+impl Choice for LightMode {
+    const NAMES: &'static [(&'static str, Self)] = &[("unknown", LightMode::Unknown)];
+}
+
+/// Section `[run]`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Run {
+    /// The folder that belongs to this run.
+    pub work: PathBuf,
+    /// The memory that a run may hold.
+    pub memory: Bytes,
+    /// Threads for the workers of all stages; 0 for as many as there are.
+    pub threads: usize,
+}

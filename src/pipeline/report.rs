@@ -1,0 +1,193 @@
+//! What a run leaves as `report.json`, and what its end table shows.
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use serde::{Deserialize, Serialize};
+
+use crate::flow::{Meter, Skipped};
+
+/// What a run did.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct Report {
+    /// gonio's version.
+    pub gonio: String,
+    /// Wall time of this call, seconds. A resumed run counts only what it did itself.
+    pub seconds: f64,
+    /// The photographs.
+    pub frames: Frames,
+    /// Rays cast by this call.
+    pub rays: u64,
+    /// Observations in all segments: front-facing pixels that saw a triangle.
+    pub observations: u64,
+    /// Records in all segments: observations of one frame group that fell into one bin of one triangle are one.
+    pub records: u64,
+    /// The mesh.
+    pub triangles: Triangles,
+    /// Bytes of all segments.
+    pub segment_bytes: u64,
+    /// The most bytes that the budget had lent at once.
+    pub memory_peak: u64,
+    /// What inferred: backend, version, path.
+    pub backend: String,
+    /// The phases of the run, in order.
+    pub phases: Vec<Phase>,
+    /// The stages of all phases, in order.
+    pub stages: Vec<Stage>,
+    /// What was skipped, sorted.
+    pub skipped: Vec<Item>,
+    /// What was written for others.
+    pub outputs: Vec<PathBuf>,
+}
+
+/// Counts of photographs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub struct Frames {
+    /// Posed frames in all.
+    pub total: u64,
+    /// Frames cast by this call.
+    pub cast: u64,
+    /// Frames whose segments were there already.
+    pub resumed: u64,
+    /// Frames that could not be used.
+    pub skipped: u64,
+}
+
+/// Counts of triangles.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub struct Triangles {
+    /// Triangles in all.
+    pub total: u64,
+    /// Those without area, which nothing hits.
+    pub degenerate: u64,
+    /// Those with a material of their own.
+    pub seen: u64,
+    /// Those filled from others.
+    pub filled: u64,
+    /// Those left without: NaN.
+    pub empty: u64,
+}
+
+/// A part of the run that ends before the next begins.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct Phase {
+    /// Its name.
+    pub name: String,
+    /// Wall time, seconds.
+    pub seconds: f64,
+}
+
+/// What a stage did.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct Stage {
+    /// The phase that it belongs to.
+    pub phase: String,
+    /// Its name.
+    pub name: String,
+    /// Its threads.
+    pub workers: usize,
+    /// Items passed on; for the last stage of a phase, items taken.
+    pub items: u64,
+    /// Bytes read or written.
+    pub bytes: u64,
+    /// Thread time spent working, seconds, summed over workers.
+    pub busy: f64,
+    /// Thread time spent waiting for input, seconds, summed over workers.
+    pub waiting_for_input: f64,
+    /// Thread time spent waiting for output, seconds, summed over workers.
+    pub waiting_for_output: f64,
+    /// Items skipped.
+    pub skipped: u64,
+}
+
+/// An item that could not be used.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct Item {
+    /// Which one.
+    pub item: String,
+    /// What was wrong with it.
+    pub why: String,
+    /// The command that does this one item again.
+    pub replay: String,
+}
+
+impl From<Skipped> for Item {
+    fn from(Skipped { item, why, replay }: Skipped) -> Self {
+        Item { item, why, replay }
+    }
+}
+
+impl Stage {
+    /// What a meter has counted.
+    pub fn of(phase: &str, meter: &Meter) -> Stage {
+        let r = meter.read();
+        let seconds = |d: Duration| d.as_secs_f64();
+        Stage {
+            phase: phase.to_owned(),
+            name: meter.name().to_owned(),
+            workers: meter.workers(),
+            items: if r.items_out > 0 { r.items_out } else { r.items_in },
+            bytes: r.bytes,
+            busy: seconds(r.busy),
+            waiting_for_input: seconds(r.wait_in),
+            waiting_for_output: seconds(r.wait_out),
+            skipped: r.skipped,
+        }
+    }
+
+    /// The share of its threads' time that it worked, in [0, 1].
+    pub fn busy_share(&self) -> f64 {
+        let all = self.busy + self.waiting_for_input + self.waiting_for_output;
+        if all > 0.0 { self.busy / all } else { 0.0 }
+    }
+}
+
+impl Report {
+    /// The stage that the run waited for: of the longest phase that has stages, the one whose threads rested least.
+    pub fn bottleneck(&self) -> Option<&Stage> {
+        let staged = self.phases.iter().filter(|p| self.stages.iter().any(|s| s.phase == p.name));
+        let longest = staged.max_by(|a, b| a.seconds.total_cmp(&b.seconds))?;
+        let stages = self.stages.iter().filter(|s| s.phase == longest.name);
+        stages.max_by(|a, b| a.busy_share().total_cmp(&b.busy_share()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn stage(phase: &str, name: &str, busy: f64, waiting_for_input: f64, waiting_for_output: f64) -> Stage {
+        let (phase, name) = (phase.into(), name.into());
+        Stage { phase, name, busy, waiting_for_input, waiting_for_output, ..Stage::default() }
+    }
+
+    #[test]
+    fn the_bottleneck_is_busy_while_others_wait() {
+        let phase = |name: &str, seconds| Phase { name: name.into(), seconds };
+        let mut report = Report::default();
+        assert!(report.bottleneck().is_none());
+        report.phases = vec![phase("build", 50.0), phase("map", 10.0), phase("reduce", 2.0)];
+        report.stages = vec![
+            stage("map", "decode", 5.0, 0.0, 5.0),
+            stage("map", "cast", 19.0, 1.0, 0.0),
+            stage("map", "gather", 1.0, 9.0, 0.0),
+            stage("reduce", "infer", 2.0, 0.0, 0.0),
+        ];
+        assert_eq!(report.bottleneck().map(|s| s.name.as_str()), Some("cast"));
+    }
+
+    #[test]
+    fn a_report_is_read_as_it_was_written() {
+        let meter = Meter::new("decode", 2, 4, None);
+        meter.skip(Skipped { item: "a.jpg".into(), why: "torn".into(), replay: "gonio".into() });
+        let report = Report {
+            gonio: "0.1.0".into(),
+            stages: vec![Stage::of("map", &meter)],
+            skipped: meter.skipped().into_iter().map(Item::from).collect(),
+            ..Report::default()
+        };
+        let text = serde_json::to_string(&report).unwrap();
+        assert_eq!(serde_json::from_str::<Report>(&text).unwrap(), report);
+        assert_eq!((report.stages[0].skipped, report.stages[0].workers), (1, 2));
+    }
+}
