@@ -1,0 +1,1 @@
+"""Trains the networks that gonio ships. One command a step: train, evaluate, export, parity."""

@@ -1,0 +1,66 @@
+"""A network over the filled bins of a map: real maps fill 5 to 50 bins of 7,200, so a convolution would mostly see zeros.
+
+Every bin is embedded, what all bins say together is pooled and given back to each, embedded and pooled again
+(two rounds of Zaheer et al., "Deep Sets", 2017), and a head gives the 7-vector. The order of bins does not matter.
+"""
+
+import torch
+import torch.nn.functional as F
+from torch import nn
+
+from .data import BINS, COLUMNS, ROWS, SLOTS, directions
+
+FRONT = BINS // 2
+
+
+class SetNetwork(nn.Module):
+    """Directions [N, S, 3], radiance [N, S, 3] and mask [N, S, 1] to materials [N, 7]."""
+
+    def __init__(self, width: int = 128, wide: int = 192, head: int = 768) -> None:
+        super().__init__()
+        self.embed = nn.Sequential(nn.Linear(9, 64), nn.ReLU(), nn.Linear(64, width), nn.ReLU())
+        self.context = nn.Sequential(nn.Linear(2 * width + 1, width), nn.ReLU())
+        self.own = nn.Linear(width, wide)
+        self.given = nn.Linear(width, wide)
+        self.again = nn.Sequential(nn.ReLU(), nn.Linear(wide, wide), nn.ReLU())
+        self.head = nn.Sequential(
+            nn.Linear(2 * wide + width, head), nn.ReLU(), nn.Linear(head, 512), nn.ReLU(), nn.Linear(512, 7)
+        )
+
+    def forward(self, direction: torch.Tensor, rgb: torch.Tensor, mask: torch.Tensor) -> torch.Tensor:
+        share = mask / mask.sum(1, keepdim=True).clamp(min=1.0)
+        # Normalisation: radiance beside its square root, which spreads the dark half that linear values crowd together.
+        features = torch.cat([direction, rgb, torch.sqrt(rgb + 1e-4)], -1)
+        bins = self.embed(features)
+        # After a ReLU nothing is below 0, so masking with 0 leaves the maximum right.
+        count = mask.sum(1) / SLOTS
+        context = self.context(torch.cat([(bins * share).sum(1), (bins * mask).amax(1), count], -1))
+        bins = self.again(self.own(bins) + self.given(context).unsqueeze(1))
+        pooled = torch.cat([(bins * share).sum(1), (bins * mask).amax(1), context], -1)
+        return torch.sigmoid(self.head(pooled))
+
+
+class DenseNetwork(nn.Module):
+    """The same network behind the model contract: `map` [N, 4, 60, 120] to `mu` [N, 7].
+
+    Takes the filled bins out of the front half of the map; of more than 64 it keeps those that a fixed shuffle of the
+    bins puts first.
+    """
+
+    def __init__(self, network: SetNetwork) -> None:
+        super().__init__()
+        self.network = network
+        order = torch.randperm(FRONT, generator=torch.Generator().manual_seed(0))
+        self.register_buffer("priority", (order + 1).float() / FRONT)
+        self.register_buffer("direction", directions()[:FRONT])
+
+    def forward(self, map: torch.Tensor) -> torch.Tensor:
+        front = map[:, :, : ROWS // 2].reshape(-1, 4, FRONT)
+        score, index = torch.topk((front[:, 3] > 0).float() * self.priority, SLOTS, dim=1)
+        mask = (score > 0).float().unsqueeze(-1)
+        rgb = torch.gather(front[:, :3], 2, index.unsqueeze(1).expand(-1, 3, -1)).transpose(1, 2).clamp(0.0, 1.0)
+        direction = F.embedding(index, self.direction)
+        return self.network(direction, rgb, mask)
+
+
+assert FRONT == ROWS // 2 * COLUMNS
