@@ -1,1 +1,116 @@
-//! The estimator: reflectance maps in, materials out.
+//! The estimator: reflectance maps in, materials out. An ONNX file is the model; one of two engines runs it: tract,
+//! built in, or an ONNX Runtime library found when the run is planned.
+//!
+//! Invariants:
+//! - Whatever is wrong with a model or a library is found by [`load`], before anything starts, and told in one sentence:
+//!   what was found and what is needed. [`load`] also tries the model once, on an empty map.
+//! - A map's material has the same bits whatever maps lie beside it, however many are given at once, and whichever
+//!   session takes it: an engine always sees one fixed number of maps ([`Estimator::micro_batch`]), the rest of them
+//!   empty, and runs on the caller's thread alone.
+//! - The two engines agree to 1e-4, not to the bit. The engine is therefore part of [`Estimator::key`].
+//! - Memory is bounded by the model: its file (at most 1 GiB) and a few copies of its weights, plus the activations of
+//!   one micro-batch for each session ([`Estimator::memory`]). A model is a program: one that asks for huge
+//!   intermediate arrays gets them, so take models from where you take programs.
+
+mod contract;
+mod elf;
+mod embedded;
+mod library;
+mod onnx;
+mod runtime;
+mod source;
+
+use std::fmt;
+use std::path::Path;
+use std::str::FromStr;
+
+pub use contract::{Contract, Kind};
+pub use source::{BUILT_IN, BuiltIn, ModelSource};
+
+use crate::base::Result;
+use crate::base::key::Key;
+use crate::base::units::Bytes;
+use crate::scene::Material;
+
+/// What turns reflectance maps into materials. Shared by all workers; each makes its own [`Session`].
+pub trait Estimator: Send + Sync {
+    /// What the model eats, and what it says of itself.
+    fn contract(&self) -> &Contract;
+
+    /// Model, engine, library and version, in one line for the log.
+    fn describe(&self) -> String;
+
+    /// The key of the model's bytes and the engine: equal keys give equal materials for equal maps.
+    fn key(&self) -> Key;
+
+    /// Maps that go through the engine at once. A multiple of it wastes nothing.
+    fn micro_batch(&self) -> usize;
+
+    /// Bytes that the estimator and this many sessions will hold: an estimate from the model's size.
+    fn memory(&self, sessions: usize) -> Bytes;
+
+    /// Makes what one worker needs to estimate.
+    ///
+    /// # Errors
+    /// What the engine says, when it refuses.
+    fn session(&self) -> Result<Box<dyn Session>>;
+}
+
+/// One worker's way through the model.
+pub trait Session: Send {
+    /// Estimates `n = out.len()` materials.
+    ///
+    /// `maps` is `[n, C, 60, 120]`, C the contract's channels: linear radiance, empty bins 0, then, if C is 4, 1 where a
+    /// bin has evidence. `lights` is `[n, 3]`, unit vectors to the sun in each map's frame; given just when the contract
+    /// says so. Components come out in [0, 1].
+    ///
+    /// # Errors
+    /// Lengths that do not fit, a failing engine, or a component that is no number or outside [0, 1] by over 1e-4.
+    fn estimate(&mut self, maps: &[f32], lights: Option<&[f32]>, out: &mut [Material]) -> Result<()>;
+}
+
+/// Which engine runs the model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Backend {
+    /// A configured ONNX Runtime library (which must then work), else one that lies where libraries lie, else the
+    /// built-in engine.
+    #[default]
+    Auto,
+    /// The built-in engine, tract. Needs nothing.
+    Embedded,
+    /// An ONNX Runtime library, or an error.
+    OnnxRuntime,
+}
+
+impl Backend {
+    /// All backends, as pipeline files name them.
+    pub const NAMES: [(&str, Backend); 3] =
+        [("auto", Backend::Auto), ("embedded", Backend::Embedded), ("onnxruntime", Backend::OnnxRuntime)];
+}
+
+impl FromStr for Backend {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let known = Self::NAMES.iter().find(|(name, _)| *name == text);
+        known.map(|(_, backend)| *backend).ok_or_else(|| format!("{text:?} is none of auto, embedded, onnxruntime"))
+    }
+}
+
+impl fmt::Display for Backend {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(Self::NAMES.iter().find(|(_, b)| b == self).map_or("", |(name, _)| name))
+    }
+}
+
+/// Loads a model on an engine, and tries it.
+///
+/// `library` is an ONNX Runtime (1.17 or newer) shared library; if `None`, the environment's `ORT_DYLIB_PATH` is used.
+/// One configured in either way must work, unless `backend` is embedded. A process can hold one such library only.
+///
+/// # Errors
+/// A model that cannot be read, is no ONNX file, breaks the contract or does not run; a library that is asked for and
+/// missing, incomplete, too old, or not ONNX Runtime; a second, different library.
+pub fn load(source: &ModelSource, backend: Backend, library: Option<&Path>) -> Result<Box<dyn Estimator>> {
+    onnx::load(source, backend, library)
+}

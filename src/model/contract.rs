@@ -1,0 +1,209 @@
+//! What an ONNX file must say before it is run. Inputs `map` f32 [N, C, 60, 120], C = 3 or 4, and optionally `light` f32
+//! [N, 3]; one output `mu` f32 [N, 7]; N symbolic; all weights inside the file; metadata `gonio.kind` = lobe | sphere,
+//! `gonio.version`, and `gonio.training`, a JSON object. Nothing else is accepted.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+use tract_onnx::pb::tensor_proto::{DataLocation, DataType};
+use tract_onnx::pb::tensor_shape_proto::dimension::Value as Dim;
+use tract_onnx::pb::type_proto::Value as Type;
+use tract_onnx::pb::{GraphProto, ModelProto, NodeProto, TensorProto, ValueInfoProto};
+use tract_onnx::prelude::Framework;
+
+use crate::base::{Error, Result};
+use crate::scene::Material;
+use crate::scene::reflectance::{COLUMNS, ROWS};
+
+/// What the maps of a model are maps of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// Of one surface point; a bin is a viewing direction.
+    Lobe,
+    /// Of a unit sphere seen by one camera; a bin is a normal.
+    Sphere,
+}
+
+impl fmt::Display for Kind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Kind::Lobe => "lobe",
+            Kind::Sphere => "sphere",
+        })
+    }
+}
+
+/// What a model eats, and what it says of itself.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Contract {
+    /// The model's name, or its file.
+    pub model: PathBuf,
+    /// The maps that it eats.
+    pub kind: Kind,
+    /// Channels of a map: 3 (rgb), or 4 (rgb, then 1 where a bin has evidence).
+    pub channels: usize,
+    /// Whether it wants the direction to the sun beside each map.
+    pub light: bool,
+    /// `gonio.version`.
+    pub version: String,
+    /// `gonio.training`: data, samples, seed, metrics.
+    pub training: serde_json::Value,
+}
+
+impl Contract {
+    /// Refuses a model that eats maps of the other kind.
+    ///
+    /// # Errors
+    /// Says both kinds.
+    pub fn require(&self, kind: Kind) -> Result<()> {
+        if self.kind == kind {
+            return Ok(());
+        }
+        let found = format!("gonio.kind is {}, and a model of kind {kind} is needed here", self.kind);
+        Err(Error::malformed(&self.model, found))
+    }
+
+    /// Parses a model's bytes and checks what they promise.
+    pub(super) fn read(model: &Path, bytes: &[u8]) -> Result<(Contract, ModelProto)> {
+        let wrong = |found: String| Error::malformed(model, found);
+        let mut reader = bytes;
+        let proto = tract_onnx::onnx()
+            .proto_model_for_read(&mut reader)
+            .map_err(|e| wrong(format!("not an ONNX file, or a damaged one: {e:#}")))?;
+        let graph = proto.graph.as_ref();
+        let graph = graph.ok_or_else(|| wrong("not an ONNX file: it holds no graph".into()))?;
+        let contract = Contract::check(model, &proto, graph).map_err(wrong)?;
+        Ok((contract, proto))
+    }
+
+    fn check(model: &Path, proto: &ModelProto, graph: &GraphProto) -> Result<Contract, String> {
+        weights_inside(graph, proto)?;
+        let (channels, light) = inputs(graph)?;
+        output(graph)?;
+        let metadata = |key: &str| {
+            let found = proto.metadata_props.iter().find(|p| p.key == key).map(|p| p.value.as_str());
+            found.ok_or_else(|| {
+                format!("the metadata {key} is missing; gonio.kind, gonio.version and gonio.training are needed")
+            })
+        };
+        let kind = match metadata("gonio.kind")? {
+            "lobe" => Kind::Lobe,
+            "sphere" => Kind::Sphere,
+            other => return Err(format!("the metadata gonio.kind is {other:?}; it must be \"lobe\" or \"sphere\"")),
+        };
+        let version = metadata("gonio.version")?.to_owned();
+        let training: serde_json::Value = serde_json::from_str(metadata("gonio.training")?)
+            .map_err(|e| format!("the metadata gonio.training must be one JSON object: {e}"))?;
+        if !training.is_object() {
+            return Err(format!("the metadata gonio.training is {training}; it must be one JSON object"));
+        }
+        Ok(Contract { model: model.to_owned(), kind, channels, light, version, training })
+    }
+}
+
+/// A dimension: named, so that it can take any size, or fixed.
+#[derive(PartialEq)]
+enum Size {
+    Named,
+    Fixed(i64),
+    Unknown,
+}
+
+const NEEDED: &str = "needed: map f32 [N, 3 or 4, 60, 120], optionally light f32 [N, 3], and mu f32 [N, 7] out";
+
+/// Channels, and whether there is a light.
+fn inputs(graph: &GraphProto) -> Result<(usize, bool), String> {
+    let (mut channels, mut light) = (None, false);
+    for input in graph.input.iter().filter(|i| graph.initializer.iter().all(|w| w.name != i.name)) {
+        let (f32s, shape) = shape(input);
+        let found = || format!("the input {}; {NEEDED}", words(input));
+        match (input.name.as_str(), shape.as_slice()) {
+            ("map", [n, Size::Fixed(c @ 3..=4), Size::Fixed(rows), Size::Fixed(columns)])
+                if f32s && [*rows, *columns] == [ROWS as i64, COLUMNS as i64] =>
+            {
+                batch(n).map_err(|why| format!("{}, {why}", found()))?;
+                channels = Some(*c as usize);
+            }
+            ("light", [n, Size::Fixed(3)]) if f32s => {
+                batch(n).map_err(|why| format!("{}, {why}", found()))?;
+                light = true;
+            }
+            _ => return Err(found()),
+        }
+    }
+    channels.map(|c| (c, light)).ok_or_else(|| format!("no input is called map; {NEEDED}"))
+}
+
+fn output(graph: &GraphProto) -> Result<(), String> {
+    let found: Vec<String> = graph.output.iter().map(words).collect();
+    let fits = |o: &ValueInfoProto| {
+        let (f32s, shape) = shape(o);
+        // Exporters that infer shapes may leave the batch of an output open.
+        o.name == "mu" && f32s && shape.len() == 2 && shape[1] == Size::Fixed(Material::LEN as i64)
+    };
+    match graph.output.as_slice() {
+        [only] if fits(only) => Ok(()),
+        _ => Err(format!("the output {}; {NEEDED}", found.join(" and "))),
+    }
+}
+
+fn batch(n: &Size) -> Result<(), &'static str> {
+    (*n == Size::Named).then_some(()).ok_or("where N has a name and no size: export the model with a dynamic batch")
+}
+
+/// Whether a value is f32, and its shape; an empty one if it says none.
+fn shape(value: &ValueInfoProto) -> (bool, Vec<Size>) {
+    let Some(Type::TensorType(tensor)) = value.r#type.as_ref().and_then(|t| t.value.as_ref()) else {
+        return (false, Vec::new());
+    };
+    let dims = tensor.shape.iter().flat_map(|s| &s.dim).map(|d| match &d.value {
+        Some(Dim::DimValue(n)) => Size::Fixed(*n),
+        Some(Dim::DimParam(name)) if !name.is_empty() => Size::Named,
+        _ => Size::Unknown,
+    });
+    (tensor.elem_type == DataType::Float as i32, dims.collect())
+}
+
+/// A value as the file declares it: `map f32 [N, 4, 60, 120]`.
+fn words(value: &ValueInfoProto) -> String {
+    let Some(Type::TensorType(tensor)) = value.r#type.as_ref().and_then(|t| t.value.as_ref()) else {
+        return format!("{} is no array", value.name);
+    };
+    let element = match DataType::try_from(tensor.elem_type) {
+        Ok(DataType::Float) => "f32".to_owned(),
+        Ok(other) => other.as_str_name().to_lowercase(),
+        Err(_) => format!("of unknown type {}", tensor.elem_type),
+    };
+    let dims = tensor.shape.iter().flat_map(|s| &s.dim).map(|d| match &d.value {
+        Some(Dim::DimValue(n)) => n.to_string(),
+        Some(Dim::DimParam(name)) => name.clone(),
+        None => "?".to_owned(),
+    });
+    format!("is {} {element} [{}]", value.name, dims.collect::<Vec<_>>().join(", "))
+}
+
+/// Refuses weights that lie in other files: one file is the model, and no file is opened on a model's word.
+fn weights_inside(graph: &GraphProto, proto: &ModelProto) -> Result<(), String> {
+    let functions = proto.functions.iter().flat_map(|f| &f.node);
+    let outside = outside_graph(graph).or_else(|| functions.into_iter().find_map(outside_node));
+    outside.map_or(Ok(()), |weight| {
+        Err(format!("the weight {:?} lies in another file; export the model with all weights inside", weight.name))
+    })
+}
+
+fn outside_graph(graph: &GraphProto) -> Option<&TensorProto> {
+    let sparse = graph.sparse_initializer.iter().flat_map(|s| s.values.iter().chain(&s.indices));
+    graph.initializer.iter().chain(sparse).find(outside).or_else(|| graph.node.iter().find_map(outside_node))
+}
+
+/// Graphs nest in attributes; the parser's limit on nesting bounds the recursion.
+fn outside_node(node: &NodeProto) -> Option<&TensorProto> {
+    node.attribute.iter().find_map(|a| {
+        let tensors = a.t.iter().chain(&a.tensors).find(outside);
+        tensors.or_else(|| a.g.iter().chain(&a.graphs).find_map(outside_graph))
+    })
+}
+
+fn outside(tensor: &&TensorProto) -> bool {
+    tensor.data_location == Some(DataLocation::External as i32) || !tensor.external_data.is_empty()
+}

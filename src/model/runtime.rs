@@ -1,0 +1,59 @@
+//! ONNX Runtime on its CPU provider, one thread a session.
+
+use ort::session::Session;
+use ort::session::builder::GraphOptimizationLevel;
+use ort::value::TensorRef;
+
+use super::contract::Contract;
+use super::library::Library;
+use super::onnx::{Engine, guarded};
+use crate::scene::Material;
+use crate::scene::reflectance::{COLUMNS, ROWS};
+
+/// Maps at once.
+pub(super) const MICRO_BATCH: usize = 16;
+
+/// One session.
+pub(super) struct OnnxRuntime {
+    session: Session,
+    maps: [usize; 4],
+    light: bool,
+}
+
+impl OnnxRuntime {
+    /// Makes a session. Says why it cannot.
+    pub(super) fn new(library: &Library, contract: &Contract, bytes: &[u8]) -> Result<OnnxRuntime, String> {
+        let session = guarded(|| {
+            let builder = Session::builder(&library.environment).map_err(|e| e.to_string())?;
+            // Level 3 has another meaning in older libraries; All is accepted by each.
+            let builder = builder.with_optimization_level(GraphOptimizationLevel::All).map_err(|e| e.to_string())?;
+            let builder = builder.with_intra_threads(1).map_err(|e| e.to_string())?;
+            let builder = builder.with_inter_threads(1).map_err(|e| e.to_string())?;
+            let mut builder = builder.with_intra_op_spinning(false).map_err(|e| e.to_string())?;
+            builder.commit_from_memory(bytes).map_err(|e| e.to_string())
+        })?;
+        let maps = [MICRO_BATCH, contract.channels, ROWS, COLUMNS];
+        Ok(OnnxRuntime { session, maps, light: contract.light })
+    }
+}
+
+impl Engine for OnnxRuntime {
+    fn run(&mut self, maps: &[f32], lights: &[f32], mu: &mut [f32]) -> Result<(), String> {
+        let OnnxRuntime { session, maps: shape, light } = self;
+        guarded(|| {
+            let said = |e: ort::Error| e.to_string();
+            let mut inputs = ort::inputs!["map" => TensorRef::from_array_view((*shape, maps)).map_err(said)?];
+            if *light {
+                let lights = TensorRef::from_array_view(([MICRO_BATCH, 3], lights)).map_err(said)?;
+                inputs.push(("light".into(), lights.into()));
+            }
+            let outputs = session.run(inputs).map_err(said)?;
+            let (shape, found) = outputs["mu"].try_extract_tensor::<f32>().map_err(said)?;
+            if **shape != [MICRO_BATCH as i64, Material::LEN as i64] {
+                return Err(format!("mu came out as {shape:?}, and {:?} is needed", [MICRO_BATCH, Material::LEN]));
+            }
+            mu.copy_from_slice(found);
+            Ok(())
+        })
+    }
+}
