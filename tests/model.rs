@@ -1,0 +1,238 @@
+//! The estimator from outside: contracts, garbage, batching, and agreement of the two engines. What needs ONNX Runtime
+//! runs where ORT_DYLIB_PATH names a library, and else says that it was skipped.
+#![expect(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::print_stdout,
+    reason = "a test fails by panicking, and says what it skips"
+)]
+
+use std::path::{Path, PathBuf};
+
+use gonio::base::Result;
+use gonio::model::{self, Backend, Estimator, Kind, ModelSource};
+use gonio::scene::Material;
+use gonio::scene::reflectance::{BINS, FRONT_BINS};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+
+fn tiny(name: &str) -> ModelSource {
+    ModelSource::named(&format!("{name}.onnx"), &Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/models"))
+}
+
+fn load(source: &ModelSource, backend: Backend) -> Result<Box<dyn Estimator>> {
+    model::load(source, backend, None)
+}
+
+fn refusal(source: &ModelSource, backend: Backend) -> String {
+    load(source, backend).err().unwrap_or_else(|| panic!("{source:?} was accepted on {backend}")).to_string()
+}
+
+/// The engines that can be tested here.
+fn backends() -> Vec<Backend> {
+    if std::env::var_os("ORT_DYLIB_PATH").is_none_or(|v| v.is_empty()) {
+        println!("skipped for ONNX Runtime: ORT_DYLIB_PATH names no library");
+        return vec![Backend::Embedded];
+    }
+    vec![Backend::Embedded, Backend::OnnxRuntime]
+}
+
+/// Maps as scenes fill them: a few front bins each; the first is empty, the second full.
+fn maps(count: usize, channels: usize) -> Vec<f32> {
+    let mut random = Pcg64Mcg::seed_from_u64(7);
+    let mut maps = vec![0.0; count * channels * BINS];
+    for (i, map) in maps.chunks_exact_mut(channels * BINS).enumerate() {
+        let filled = [0, FRONT_BINS].get(i).copied().unwrap_or_else(|| random.random_range(3..60));
+        for n in 0..filled {
+            let bin = if filled == FRONT_BINS { n } else { random.random_range(0..FRONT_BINS) };
+            for c in 0..channels {
+                map[c * BINS + bin] = if c == 3 { 1.0 } else { random.random_range(0.0..1.0) };
+            }
+        }
+    }
+    maps
+}
+
+/// Estimates in batches of this size, each batch in a session of its own.
+fn estimate(model: &dyn Estimator, maps: &[f32], batch: usize) -> Vec<[f32; 7]> {
+    let map = model.contract().channels * BINS;
+    // The light follows from the map, wherever the map lies in a batch.
+    let light = |m: &[f32]| [0.0, 0.6, if m.iter().filter(|v| **v > 0.0).count() % 2 == 0 { 0.8 } else { -0.8 }];
+    let lights: Vec<f32> = maps.chunks_exact(map).flat_map(light).collect();
+    let mut out = vec![Material::default(); maps.len() / map];
+    for (i, out) in out.chunks_mut(batch).enumerate() {
+        let lights = &lights[i * batch * 3..][..out.len() * 3];
+        let lights = model.contract().light.then_some(lights);
+        model.session().unwrap().estimate(&maps[i * batch * map..][..out.len() * map], lights, out).unwrap();
+    }
+    out.into_iter().map(Material::to_array).collect()
+}
+
+#[test]
+fn bits_do_not_depend_on_the_batch_or_the_neighbours() {
+    for backend in backends() {
+        for name in ["conv4", "set4", "light3"] {
+            let model = load(&tiny(name), backend).unwrap();
+            let maps = maps(67, model.contract().channels);
+            let alone = estimate(&*model, &maps, 1);
+            for batch in [7, 64] {
+                assert_eq!(alone, estimate(&*model, &maps, batch), "{name} on {backend}, {batch} at once");
+            }
+            // Each row of a micro-batch in turn: the first maps move along by one.
+            let map = model.contract().channels * BINS;
+            for shift in 1..model.micro_batch() {
+                let moved: Vec<f32> = maps[..shift * map].iter().chain(&maps[..8 * map]).copied().collect();
+                let moved = estimate(&*model, &moved, shift + 8);
+                assert_eq!(alone[..8], moved[shift..], "{name} on {backend}, moved by {shift}");
+            }
+            assert!(alone.windows(2).any(|w| w[0] != w[1]), "{name} does not look at its maps");
+        }
+    }
+}
+
+#[test]
+fn engines_agree() {
+    let backends = backends();
+    for name in ["conv4", "set4", "light3"] {
+        let results: Vec<_> = backends
+            .iter()
+            .map(|b| {
+                let model = load(&tiny(name), *b).unwrap();
+                estimate(&*model, &maps(20, model.contract().channels), 20)
+            })
+            .collect();
+        for other in &results[1..] {
+            for (a, b) in results[0].iter().flatten().zip(other.iter().flatten()) {
+                assert!((a - b).abs() <= 1e-4, "{name}: {a} {b}");
+            }
+        }
+    }
+}
+
+#[test]
+fn workers_share_an_estimator() {
+    for backend in backends() {
+        let model = load(&tiny("set4"), backend).unwrap();
+        let maps = maps(20, 4);
+        let alone = estimate(&*model, &maps, 20);
+        std::thread::scope(|s| {
+            let workers: Vec<_> = (0..4).map(|_| s.spawn(|| estimate(&*model, &maps, 5))).collect();
+            workers.into_iter().for_each(|w| assert_eq!(w.join().unwrap(), alone));
+        });
+    }
+}
+
+#[test]
+fn built_in_models_keep_the_contract() {
+    for built_in in model::BUILT_IN {
+        let source = ModelSource::named(built_in.name, Path::new("/nowhere"));
+        let model = load(&source, Backend::Embedded).unwrap();
+        model.contract().require(Kind::Lobe).unwrap();
+        assert!(model.describe().starts_with(built_in.name), "{}", model.describe());
+    }
+}
+
+#[test]
+fn broken_contracts_are_refused_in_words() {
+    let cases = [
+        ("bad_kind", "gonio.kind is \"cube\"; it must be \"lobe\" or \"sphere\""),
+        ("bad_training", "gonio.training must be one JSON object"),
+        ("bare_training", "gonio.training is 3; it must be one JSON object"),
+        ("no_metadata", "the metadata gonio.kind is missing"),
+        ("no_version", "the metadata gonio.version is missing"),
+        ("rows_61", "the input is map f32 [N, 4, 61, 120]; needed: map f32 [N, 3 or 4, 60, 120]"),
+        ("channels_5", "the input is map f32 [N, 5, 60, 120]; needed"),
+        ("outputs_8", "the output is mu f32 [N, 8]; needed"),
+        ("fixed_batch", "map f32 [1, 4, 60, 120]; needed: map f32 [N, 3 or 4, 60, 120]"),
+        ("map_misnamed", "the input is image f32"),
+        ("mu_misnamed", "the output is y f32 [N, 7]; needed"),
+        ("map_f64", "the input is map double [N, 4, 60, 120]; needed"),
+        ("extra_input", "the input is gain f32 [N, 7]; needed"),
+        ("extra_output", "the output is mu f32 [N, 7] and is also f32 [N, 7]; needed"),
+        ("weights_outside", "lies in another file; export the model with all weights inside"),
+        ("nan_on_empty", "map 0 of this batch has kd_r = NaN; the contract wants [0, 1]"),
+        ("out_of_range", "the contract wants [0, 1]"),
+        ("two_rows_a_map", "mu came out as"),
+    ];
+    for backend in backends() {
+        for (name, words) in cases {
+            let said = refusal(&tiny(name), backend);
+            assert!(said.contains(words) && said.contains(&format!("{name}.onnx")), "{name} on {backend}: {said}");
+        }
+    }
+}
+
+#[test]
+fn a_model_of_the_other_kind_is_refused_where_it_matters() {
+    let model = load(&tiny("sphere"), Backend::Embedded).unwrap();
+    assert_eq!(model.contract().kind, Kind::Sphere);
+    let said = model.contract().require(Kind::Lobe).unwrap_err().to_string();
+    assert!(said.ends_with("gonio.kind is sphere, and a model of kind lobe is needed here"), "{said}");
+}
+
+#[test]
+fn calls_that_do_not_fit_are_refused() {
+    let four = load(&tiny("conv4"), Backend::Embedded).unwrap();
+    let light = load(&tiny("light3"), Backend::Embedded).unwrap();
+    let (map4, map3) = (vec![0.0; 4 * BINS], vec![0.0; 3 * BINS]);
+    let mut out = [Material::default()];
+    for (model, maps, lights, words) in [
+        (&four, &map3, None, "28800 a map are needed"),
+        (&four, &map4, Some(&[0.0; 3][..]), "takes no light"),
+        (&light, &map3, None, "needs a light of 3 values beside each map; 0 values came"),
+        (&light, &map3, Some(&[0.0; 2][..]), "2 values came"),
+    ] {
+        let said = model.session().unwrap().estimate(maps, lights, &mut out).unwrap_err().to_string();
+        assert!(said.contains(words), "{said}");
+    }
+    four.session().unwrap().estimate(&[], None, &mut []).unwrap();
+}
+
+/// A file in a folder of its own.
+fn file(folder: &tempfile::TempDir, bytes: &[u8]) -> ModelSource {
+    let path = folder.path().join("m.onnx");
+    std::fs::write(&path, bytes).unwrap();
+    ModelSource::File(path)
+}
+
+#[test]
+fn files_that_are_no_models_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let whole = std::fs::read(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/models/light3.onnx")).unwrap();
+    for backend in backends() {
+        assert!(refusal(&ModelSource::File(PathBuf::from("/nowhere/m.onnx")), backend).contains("gonio-lobe-small"));
+        assert!(refusal(&ModelSource::File(folder.path().to_owned()), backend).contains("cannot read"));
+        for bytes in [&b""[..], b"a text, no model\n", &[0xff; 4096], b"\x7fELF\x02\x01"] {
+            let said = refusal(&file(&folder, bytes), backend);
+            assert!(said.contains("not an ONNX file"), "{said}");
+        }
+        for length in 0..whole.len() {
+            refusal(&file(&folder, &whole[..length]), backend);
+        }
+    }
+}
+
+#[test]
+fn flipped_bits_never_panic() {
+    let folder = tempfile::tempdir().unwrap();
+    let whole = std::fs::read(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/models/light3.onnx")).unwrap();
+    let mut refused = 0;
+    for backend in backends() {
+        for bit in (0..whole.len() * 8).step_by(19) {
+            let mut bytes = whole.clone();
+            bytes[bit / 8] ^= 1 << (bit % 8);
+            refused += usize::from(load(&file(&folder, &bytes), backend).is_err());
+        }
+    }
+    assert!(refused > 50, "{refused}");
+}
+
+#[test]
+fn keys_tell_models_and_engines_apart() {
+    let key = |name, backend| load(&tiny(name), backend).unwrap().key();
+    assert_eq!(key("light3", Backend::Embedded), key("light3", Backend::Embedded));
+    assert_ne!(key("light3", Backend::Embedded), key("sphere", Backend::Embedded));
+    if backends().len() > 1 {
+        assert_ne!(key("light3", Backend::Embedded), key("light3", Backend::OnnxRuntime));
+    }
+}
