@@ -1,0 +1,131 @@
+//! How far an estimate is from the truth.
+
+use crate::base::{Error, Result};
+use crate::scene::Material;
+
+/// The mean of the priors that estimators are trained on: the best constant guess before anything is seen.
+pub const TRAINING_MEAN: Material = Material { kd: [0.5; 3], ks: [0.5; 3], r: 0.5 };
+
+/// Peak signal-to-noise ratio in decibels of two images of `pixels` with values in [0, 1] (so the peak is 1), over all
+/// pixels where `mask` is true, or all of them. Infinite where the two are equal.
+///
+/// # Errors
+/// Images or mask of different lengths, or no pixel to compare.
+pub fn psnr(a: &[[f32; 3]], b: &[[f32; 3]], mask: Option<&[bool]>) -> Result<f64> {
+    same_length("pixels of the first image", a.len(), "of the second", b.len())?;
+    if let Some(mask) = mask {
+        same_length("pixels of the images", a.len(), "of the mask", mask.len())?;
+    }
+    let kept = |i: usize| mask.is_none_or(|m| m[i]);
+    let (mut sum, mut count) = (0.0, 0_u64);
+    for (_, (p, q)) in a.iter().zip(b).enumerate().filter(|(i, _)| kept(*i)) {
+        sum += p.iter().zip(q).map(|(x, y)| (f64::from(*x) - f64::from(*y)).powi(2)).sum::<f64>();
+        count += 3;
+    }
+    if count == 0 {
+        return Err(Error::invalid("there is no pixel to compare: the images are empty or fully masked"));
+    }
+    Ok(-10.0 * (sum / count as f64).log10())
+}
+
+/// Mean absolute errors of materials, over triangles and over the three channels of kd and ks.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MaterialErrors {
+    /// Of the diffuse albedo.
+    pub kd: f64,
+    /// Of the specular scale.
+    pub ks: f64,
+    /// Of the roughness.
+    pub r: f64,
+    /// Triangles compared.
+    pub count: u64,
+    /// Triangles that were seen but have no estimate (a component that is not finite); they are not in the means.
+    pub missing: u64,
+}
+
+/// Compares an estimate with the truth over the triangles where `seen` is true. An estimate with a component that is
+/// not finite is none, and counts as missing. Means are NaN where nothing was compared.
+///
+/// # Errors
+/// Lists of different lengths.
+pub fn compare(truth: &[Material], estimate: &[Material], seen: &[bool]) -> Result<MaterialErrors> {
+    same_length("triangles of the truth", truth.len(), "of the estimate", estimate.len())?;
+    same_length("triangles of the truth", truth.len(), "in the list of seen ones", seen.len())?;
+    let (mut sums, mut count, mut missing) = ([0.0_f64; Material::LEN], 0_u64, 0_u64);
+    for ((t, e), _) in truth.iter().zip(estimate).zip(seen).filter(|(_, seen)| **seen) {
+        let (t, e) = (t.to_array(), e.to_array());
+        if e.iter().any(|v| !v.is_finite()) {
+            missing += 1;
+            continue;
+        }
+        count += 1;
+        for (sum, (a, b)) in sums.iter_mut().zip(t.into_iter().zip(e)) {
+            *sum += (f64::from(a) - f64::from(b)).abs();
+        }
+    }
+    let mean = |from: usize, to: usize| sums[from..to].iter().sum::<f64>() / ((to - from) as f64 * count as f64);
+    Ok(MaterialErrors { kd: mean(0, 3), ks: mean(3, 6), r: mean(6, 7), count, missing })
+}
+
+/// The trivial guess from what was seen: mean radiance as diffuse albedo (at most 1), no specular part, middling
+/// roughness. Not finite, hence missing, where the mean is not.
+pub fn diffuse_guess(mean_radiance: &[[f32; 3]]) -> Vec<Material> {
+    // `clamp` keeps NaN.
+    mean_radiance.iter().map(|m| Material { kd: m.map(|v| v.clamp(0.0, 1.0)), ks: [0.0; 3], r: 0.5 }).collect()
+}
+
+fn same_length(first: &str, a: usize, second: &str, b: usize) -> Result<()> {
+    if a == b { Ok(()) } else { Err(Error::invalid(format!("{a} {first}, but {b} {second}: they must be as many"))) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn psnr_has_its_closed_form() {
+        let (black, grey) = ([[0.0; 3]; 4], [[0.1; 3]; 4]);
+        assert!((psnr(&black, &grey, None).unwrap() - 20.0).abs() < 1e-5);
+        assert_eq!(psnr(&grey, &grey, None).unwrap(), f64::INFINITY);
+        // One bad pixel of four: a quarter of the squared error; masked out, none is left.
+        let one = [[0.0; 3], [0.1; 3], [0.0; 3], [0.0; 3]];
+        assert!((psnr(&black, &one, None).unwrap() - 26.0206).abs() < 1e-3);
+        assert_eq!(psnr(&black, &one, Some(&[true, false, true, true])).unwrap(), f64::INFINITY);
+    }
+
+    #[test]
+    fn psnr_of_nothing_is_an_error() {
+        assert!(psnr(&[], &[], None).is_err());
+        assert!(psnr(&[[0.0; 3]], &[[0.0; 3]], Some(&[false])).is_err());
+        assert!(psnr(&[[0.0; 3]], &[], None).is_err());
+        assert!(psnr(&[[0.0; 3]], &[[0.0; 3]], Some(&[])).is_err());
+    }
+
+    #[test]
+    fn errors_are_means_over_seen_triangles_that_have_an_estimate() {
+        let truth = [Material { kd: [0.2; 3], ks: [0.4; 3], r: 0.6 }; 4];
+        let near = Material { kd: [0.3, 0.2, 0.2], ks: [0.1, 0.4, 0.7], r: 0.5 };
+        let none = Material { kd: [0.2; 3], ks: [0.4; 3], r: f32::NAN };
+        let far = Material { kd: [1.0; 3], ks: [1.0; 3], r: 0.0 };
+        let errors = compare(&truth, &[near, truth[0], none, far], &[true, true, true, false]).unwrap();
+        assert_eq!((errors.count, errors.missing), (2, 1));
+        assert!((errors.kd - 0.1 / 6.0).abs() < 1e-6, "{errors:?}");
+        assert!((errors.ks - 0.6 / 6.0).abs() < 1e-6, "{errors:?}");
+        assert!((errors.r - 0.1 / 2.0).abs() < 1e-6, "{errors:?}");
+    }
+
+    #[test]
+    fn nothing_compared_is_no_perfect_score() {
+        let errors = compare(&[TRAINING_MEAN], &[TRAINING_MEAN], &[false]).unwrap();
+        assert!(errors.kd.is_nan() && errors.ks.is_nan() && errors.r.is_nan() && errors.count == 0);
+        let words = compare(&[TRAINING_MEAN], &[], &[true]).unwrap_err().to_string();
+        assert!(words.contains("1 triangles of the truth, but 0 of the estimate"), "{words}");
+    }
+
+    #[test]
+    fn the_diffuse_guess_stays_a_material() {
+        let guess = diffuse_guess(&[[0.25, 1.5, -0.1], [f32::NAN, 0.0, 0.0]]);
+        assert_eq!(guess[0], Material { kd: [0.25, 1.0, 0.0], ks: [0.0; 3], r: 0.5 });
+        assert!(guess[1].kd[0].is_nan());
+    }
+}

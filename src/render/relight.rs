@@ -1,0 +1,114 @@
+//! A frame rendered from a mesh with materials: one ray a pixel through its centre, flat triangles, the sun's shadows.
+
+use glam::Vec3;
+use rayon::prelude::*;
+
+use super::environment::{self, Lighting};
+use super::visibility;
+use crate::base::ids::NO_TRIANGLE;
+use crate::base::{Error, Result};
+use crate::scene::frame::Frame;
+use crate::scene::reflectance::LobeFrame;
+use crate::scene::view::{Tile, View};
+use crate::scene::{Material, Mesh};
+use crate::trace::{Bvh, Hit, Ray, tile};
+
+/// A rendered image: linear radiance, not clipped.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rendering {
+    /// Columns.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// Linear RGB, rows from the top.
+    pub rgb: Vec<[f32; 3]>,
+}
+
+/// Edge of the tiles that rays are cast in, pixels: the sixteen rays that go together.
+const SIDE: u32 = 4;
+
+/// What the frame's camera would see, had every triangle its material; `materials` has one for each. A triangle is seen
+/// from behind as from before. Materials that are not finite come out as NaN. The same for any number of threads.
+///
+/// # Errors
+/// As many materials, or shares of the sky, as there are triangles it must be.
+pub fn relight(
+    mesh: &Mesh,
+    bvh: &Bvh,
+    materials: &[Material],
+    frame: &Frame,
+    lighting: &Lighting,
+) -> Result<Rendering> {
+    if materials.len() != mesh.len() {
+        let words = format!("{} materials for {} triangles: there must be one for each", materials.len(), mesh.len());
+        return Err(Error::invalid(words));
+    }
+    if !lighting.visibility.is_empty() && lighting.visibility.len() != mesh.len() {
+        let n = lighting.visibility.len();
+        return Err(Error::invalid(format!(
+            "{n} shares of the sky for {} triangles: there must be one for each",
+            mesh.len()
+        )));
+    }
+    let view = View::new((*frame.camera).clone(), &frame.pose, mesh);
+    let (width, height) = (frame.camera.width, frame.camera.height);
+    let mut rgb = vec![[0.0; 3]; width as usize * height as usize];
+    let scene = Shading { mesh, bvh, materials, lighting, offset: visibility::offset(mesh) };
+    // A band of tiles at a time: it is a contiguous part of the image.
+    rgb.par_chunks_mut((width * SIDE) as usize).enumerate().for_each(|(band, out)| {
+        let (mut directions, mut hits) = (Vec::new(), Vec::new());
+        let y = band as u32 * SIDE;
+        for x in (0..width).step_by(SIDE as usize) {
+            let tile = Tile { x, y, width: SIDE.min(width - x), height: SIDE.min(height - y) };
+            view.directions(tile, &mut directions);
+            hits.resize(directions.len(), Hit::MISS);
+            tile::cast(bvh, view.centre(), &directions, &mut hits);
+            let pixels = Tile { y: 0, ..tile }.pixels(width);
+            for ((pixel, hit), direction) in pixels.zip(&hits).zip(&directions) {
+                out[pixel] = scene.radiance(hit, view.centre(), *direction).to_array();
+            }
+        }
+    });
+    Ok(Rendering { width, height, rgb })
+}
+
+struct Shading<'a> {
+    mesh: &'a Mesh,
+    bvh: &'a Bvh,
+    materials: &'a [Material],
+    lighting: &'a Lighting,
+    offset: f32,
+}
+
+impl Shading<'_> {
+    fn radiance(&self, hit: &Hit, eye: Vec3, direction: Vec3) -> Vec3 {
+        let Some(normal) = (hit.triangle != NO_TRIANGLE).then(|| self.mesh.normal(hit.triangle)).flatten() else {
+            return self.lighting.background;
+        };
+        let normal = if normal.dot(direction) > 0.0 { -normal } else { normal };
+        let (m, wo) = (&self.materials[hit.triangle as usize], -direction);
+        let ambient = self.lighting.ambient(hit.triangle, m, normal.dot(wo));
+        let sun = &self.lighting.sun;
+        if sun.direction.dot(normal) <= 0.0 {
+            return ambient;
+        }
+        let origin = eye + direction * hit.t + normal * self.offset;
+        if self.bvh.occluded(&Ray { origin, direction: sun.direction }, f32::INFINITY) {
+            return ambient;
+        }
+        ambient + environment::sunlit(sun, m, &LobeFrame::new(normal), wo)
+    }
+}
+
+impl Rendering {
+    /// The image averaged over squares of `n` by `n` pixels; sides must be multiples of `n`, what is over is left off.
+    pub fn shrink(&self, n: u32) -> Rendering {
+        let (width, height) = (self.width / n.max(1), self.height / n.max(1));
+        let average = |x: u32, y: u32| {
+            let square = (0..n * n).map(|k| ((y * n + k / n) * self.width + x * n + k % n) as usize);
+            (square.map(|i| Vec3::from(self.rgb[i])).sum::<Vec3>() / (n * n) as f32).to_array()
+        };
+        let rgb = (0..width * height).map(|i| average(i % width, i / width)).collect();
+        Rendering { width, height, rgb }
+    }
+}
