@@ -1,0 +1,324 @@
+//! Triangles as they are made, each with its material, and the ways of making them: grids over four corners, grids
+//! over a triangle, boxes, lathes and crowns.
+
+use glam::{DVec2, DVec3, Vec3};
+use rand::RngExt;
+use rand_pcg::Pcg64;
+
+use super::town::Ground;
+use crate::scene::Material;
+
+/// What a part of the city is finished with: a material, and how far single triangles stray from it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Finish {
+    /// The part's material.
+    pub base: Material,
+    /// Largest relative deviation of a triangle's kd, ks and r.
+    pub grain: f32,
+}
+
+impl Finish {
+    /// The material of one triangle.
+    pub fn sample(&self, rng: &mut Pcg64) -> Material {
+        let mut stray = |amount: f32| 1.0 + amount * self.grain * rng.random_range(-1.0..=1.0_f32);
+        let (shade, gloss, width) = (stray(1.0), stray(1.0), stray(0.6));
+        let kd = self.base.kd.map(|v| (v * shade * stray(0.3)).clamp(0.0, 1.0));
+        let ks = self.base.ks.map(|v| (v * gloss).clamp(0.0, 1.0));
+        Material { kd, ks, r: (self.base.r * width).clamp(0.0, 1.0) }
+    }
+
+    /// The same finish, brighter or darker.
+    pub fn shaded(mut self, factor: f32) -> Finish {
+        self.base.kd = self.base.kd.map(|v| (v * factor).clamp(0.0, 1.0));
+        self
+    }
+}
+
+/// Triangles with a material each; vertices in mesh coordinates.
+#[derive(Debug, Clone, Default)]
+pub struct Surface {
+    /// Vertices.
+    pub vertices: Vec<DVec3>,
+    /// Vertex indices, counter-clockwise from outside.
+    pub triangles: Vec<[u32; 3]>,
+    /// One for every triangle.
+    pub materials: Vec<Material>,
+}
+
+impl Surface {
+    /// Adds another surface's triangles after one's own.
+    pub fn append(&mut self, other: &Surface) {
+        let first = self.vertices.len() as u32;
+        self.vertices.extend_from_slice(&other.vertices);
+        self.triangles.extend(other.triangles.iter().map(|t| t.map(|i| i + first)));
+        self.materials.extend_from_slice(&other.materials);
+    }
+}
+
+/// An axis-parallel rectangle on the ground of a block, metres from the block's corner.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Rect {
+    /// Least corner.
+    pub low: DVec2,
+    /// Greatest corner.
+    pub high: DVec2,
+}
+
+impl Rect {
+    /// From `x0..x1` and `y0..y1`.
+    pub fn new(x0: f64, x1: f64, y0: f64, y1: f64) -> Rect {
+        Rect { low: DVec2::new(x0, y0), high: DVec2::new(x1, y1) }
+    }
+
+    /// The middle.
+    pub fn centre(&self) -> DVec2 {
+        (self.low + self.high) * 0.5
+    }
+
+    /// Extents along x and y.
+    pub fn size(&self) -> DVec2 {
+        self.high - self.low
+    }
+}
+
+/// Where an object stands: its own x axis turned from the block's, its z counted from the ground under its middle.
+#[derive(Debug, Clone, Copy)]
+pub struct Spot {
+    /// The object's origin in its block, metres.
+    pub at: DVec2,
+    /// Cosine and sine of the turn from the block's x axis.
+    pub turn: DVec2,
+}
+
+impl Spot {
+    /// Upright at a place, turned by an angle in radians.
+    pub fn new(at: DVec2, angle: f64) -> Spot {
+        Spot { at, turn: DVec2::from_angle(angle) }
+    }
+
+    /// A place given in the object's own axes, in the block's.
+    pub fn to_block(self, own: DVec2) -> DVec2 {
+        self.at + self.turn.rotate(own)
+    }
+}
+
+/// One block under construction.
+pub struct Block {
+    /// What was made so far.
+    pub surface: Surface,
+    /// The block's own random numbers.
+    pub rng: Pcg64,
+    /// Where the block lies.
+    pub ground: Ground,
+    /// Edge length that grids aim at, metres.
+    pub cell: f64,
+}
+
+impl Block {
+    /// How many cells a length is cut into.
+    pub fn cells(&self, length: f64) -> usize {
+        ((length / self.cell).round() as usize).max(1)
+    }
+
+    /// The height, in an object's own axes, where it meets the ground: a little below, so that no gap shows.
+    pub fn footing(&self, spot: Spot, own: DVec2) -> f64 {
+        self.ground.place(spot.to_block(own)).z - self.ground.place(spot.at).z - 0.03
+    }
+
+    /// A piece of ground.
+    pub fn floor(&mut self, rect: Rect, finish: &Finish) {
+        self.floor_cells(rect, self.cell, |_, _| *finish);
+    }
+
+    /// A piece of ground in cells of a stated length, each with a finish by its column and row.
+    pub fn floor_cells(&mut self, rect: Rect, cell: f64, finish: impl Fn(usize, usize) -> Finish) {
+        let size = rect.size();
+        if size.min_element() < 1e-6 {
+            return;
+        }
+        let [nu, nv] = [size.x, size.y].map(|l| ((l / cell).round() as usize).max(1));
+        let ground = self.ground;
+        let at = |u: f64, v: f64| ground.place(rect.low + size * DVec2::new(u, v));
+        self.grid(nu, nv, at, finish);
+    }
+
+    /// A patch over four corners, counter-clockwise from outside, in an object's axes.
+    pub fn patch(&mut self, spot: Spot, corners: [DVec3; 4], finish: &Finish) {
+        self.patch_cells(spot, corners, |_, _| *finish);
+    }
+
+    /// A patch over four corners whose cells have a finish each by their share along the first and the second edge.
+    pub fn patch_cells(&mut self, spot: Spot, corners: [DVec3; 4], finish: impl Fn(f64, f64) -> Finish) {
+        let [a, b, c, d] = corners;
+        let nu = self.cells(a.distance(b).max(d.distance(c)));
+        let nv = self.cells(a.distance(d).max(b.distance(c)));
+        let (ground, base) = (self.ground, self.ground.place(spot.at).z);
+        let at = |u: f64, v: f64| raise(&ground, spot, base, a.lerp(b, u).lerp(d.lerp(c, u), v));
+        let share = |i: usize, n: usize| (i as f64 + 0.5) / n as f64;
+        self.grid(nu, nv, at, |i, j| finish(share(i, nu), share(j, nv)));
+    }
+
+    /// A flat triangle, counter-clockwise from outside, cut into equal smaller ones.
+    pub fn gable(&mut self, spot: Spot, corners: [DVec3; 3], finish: &Finish) {
+        let [a, b, c] = corners;
+        let n = self.cells(a.distance(b).max(b.distance(c)).max(c.distance(a)));
+        let base = self.ground.place(spot.at).z;
+        let first = self.surface.vertices.len() as u32;
+        for row in 0..=n {
+            for column in 0..=n - row {
+                let own = a + (b - a) * (column as f64 / n as f64) + (c - a) * (row as f64 / n as f64);
+                self.surface.vertices.push(raise(&self.ground, spot, base, own));
+            }
+        }
+        let index =
+            |row: usize, column: usize| first + (row * (n + 1) - row * row.saturating_sub(1) / 2 + column) as u32;
+        for row in 0..n {
+            for column in 0..n - row {
+                let (p, q, r) = (index(row, column), index(row, column + 1), index(row + 1, column));
+                self.triangle([p, q, r], finish);
+                if column + 1 < n - row {
+                    self.triangle([q, index(row + 1, column + 1), r], finish);
+                }
+            }
+        }
+    }
+
+    /// A box without its underside.
+    pub fn solid(&mut self, spot: Spot, low: DVec3, high: DVec3, sides: &Finish, top: &Finish) {
+        let corner = |x: bool, y: bool, z: bool| {
+            let pick = |up: bool, a: f64, b: f64| if up { b } else { a };
+            DVec3::new(pick(x, low.x, high.x), pick(y, low.y, high.y), pick(z, low.z, high.z))
+        };
+        let ring = [(false, false), (true, false), (true, true), (false, true)];
+        for k in 0..4 {
+            let ((ax, ay), (bx, by)) = (ring[k], ring[(k + 1) % 4]);
+            let side = [corner(ax, ay, false), corner(bx, by, false), corner(bx, by, true), corner(ax, ay, true)];
+            self.patch(spot, side, sides);
+        }
+        self.patch(spot, ring.map(|(x, y)| corner(x, y, true)), top);
+    }
+
+    /// A closed shape turned about the object's z axis: `profile` is radius and height from the bottom up; a radius of
+    /// 0 closes it. Radii stray by `jitter`, relative.
+    pub fn lathe(&mut self, spot: Spot, profile: &[DVec2], sides: usize, jitter: f64, finish: &Finish) {
+        let base = self.ground.place(spot.at).z;
+        let first = self.surface.vertices.len() as u32;
+        for (level, ring) in profile.iter().enumerate() {
+            for side in 0..sides {
+                let stray = 1.0 + jitter * self.rng.random_range(-1.0..=1.0);
+                // Every other ring is turned by half a side, which makes even triangles.
+                let angle = std::f64::consts::TAU * (side as f64 + 0.5 * (level % 2) as f64) / sides as f64;
+                let own = (DVec2::from_angle(angle) * ring.x * stray).extend(ring.y);
+                self.surface.vertices.push(raise(&self.ground, spot, base, own));
+            }
+        }
+        let index = |level: usize, side: usize| first + (level * sides + side % sides) as u32;
+        for level in 1..profile.len() {
+            let (narrow_below, narrow_above) = (profile[level - 1].x == 0.0, profile[level].x == 0.0);
+            for side in 0..sides {
+                // The ring below is one half-turn behind on even levels.
+                let (b, t) = if level % 2 == 1 { (side + 1, side) } else { (side, side + 1) };
+                let (p, q) = (index(level - 1, side), index(level - 1, side + 1));
+                let (s, u) = (index(level, side), index(level, side + 1));
+                if !narrow_below {
+                    self.triangle([p, q, index(level, t)], finish);
+                }
+                if !narrow_above {
+                    self.triangle([index(level - 1, b), u, s], finish);
+                }
+            }
+        }
+    }
+
+    /// A crown: a sphere of 80 triangles whose vertices stray in and out.
+    pub fn blob(&mut self, spot: Spot, centre: DVec3, radii: DVec3, jitter: f64, finish: &Finish) {
+        let base = self.ground.place(spot.at).z;
+        let first = self.surface.vertices.len() as u32;
+        let (vertices, triangles) = sphere();
+        for v in vertices {
+            let stray = 1.0 + jitter * self.rng.random_range(-1.0..=1.0);
+            let own = centre + v.as_dvec3() * radii * stray;
+            self.surface.vertices.push(raise(&self.ground, spot, base, own));
+        }
+        for t in triangles {
+            self.triangle(t.map(|i| i + first), finish);
+        }
+    }
+
+    /// One triangle over vertices that are there.
+    fn triangle(&mut self, indices: [u32; 3], finish: &Finish) {
+        self.surface.triangles.push(indices);
+        self.surface.materials.push(finish.sample(&mut self.rng));
+    }
+
+    /// `nu` by `nv` cells of two triangles over the unit square; `at` gives a vertex, `finish` a cell's finish.
+    fn grid(&mut self, nu: usize, nv: usize, at: impl Fn(f64, f64) -> DVec3, finish: impl Fn(usize, usize) -> Finish) {
+        let first = self.surface.vertices.len() as u32;
+        for j in 0..=nv {
+            for i in 0..=nu {
+                self.surface.vertices.push(at(i as f64 / nu as f64, j as f64 / nv as f64));
+            }
+        }
+        let index = |i: usize, j: usize| first + (j * (nu + 1) + i) as u32;
+        for j in 0..nv {
+            for i in 0..nu {
+                let [a, b, c, d] = [index(i, j), index(i + 1, j), index(i + 1, j + 1), index(i, j + 1)];
+                let finish = finish(i, j);
+                // Diagonals alternate, so that no direction shows.
+                let halves = if (i + j) % 2 == 0 { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] };
+                for half in halves {
+                    self.triangle(half, &finish);
+                }
+            }
+        }
+    }
+}
+
+/// A point in an object's axes, in mesh coordinates.
+fn raise(ground: &Ground, spot: Spot, base: f64, own: DVec3) -> DVec3 {
+    let at = ground.place(spot.to_block(own.truncate()));
+    DVec3::new(at.x, at.y, base + own.z)
+}
+
+/// An icosahedron with every face cut in four: 42 unit vectors and 80 triangles.
+fn sphere() -> ([Vec3; 42], [[u32; 3]; 80]) {
+    const G: f32 = 1.618_034;
+    const CORNERS: [[f32; 3]; 12] = [
+        [-1.0, G, 0.0],
+        [1.0, G, 0.0],
+        [-1.0, -G, 0.0],
+        [1.0, -G, 0.0],
+        [0.0, -1.0, G],
+        [0.0, 1.0, G],
+        [0.0, -1.0, -G],
+        [0.0, 1.0, -G],
+        [G, 0.0, -1.0],
+        [G, 0.0, 1.0],
+        [-G, 0.0, -1.0],
+        [-G, 0.0, 1.0],
+    ];
+    #[rustfmt::skip]
+    const FACES: [[u32; 3]; 20] = [
+        [0, 11, 5], [0, 5, 1], [0, 1, 7], [0, 7, 10], [0, 10, 11], [1, 5, 9], [5, 11, 4], [11, 10, 2], [10, 7, 6], [7, 1, 8],
+        [3, 9, 4], [3, 4, 2], [3, 2, 6], [3, 6, 8], [3, 8, 9], [4, 9, 5], [2, 4, 11], [6, 2, 10], [8, 6, 7], [9, 8, 1],
+    ];
+    let mut vertices = [Vec3::ZERO; 42];
+    for (v, c) in vertices.iter_mut().zip(CORNERS) {
+        *v = Vec3::from(c).normalize();
+    }
+    let mut edges: Vec<(u32, u32)> = Vec::with_capacity(30);
+    let mut triangles = [[0; 3]; 80];
+    for (face, [a, b, c]) in FACES.into_iter().enumerate() {
+        let [ab, bc, ca] = [(a, b), (b, c), (c, a)].map(|(p, q)| {
+            let edge = (p.min(q), p.max(q));
+            let at = edges.iter().position(|e| *e == edge).unwrap_or_else(|| {
+                edges.push(edge);
+                edges.len() - 1
+            });
+            vertices[12 + at] = (vertices[p as usize] + vertices[q as usize]).normalize();
+            12 + at as u32
+        });
+        triangles[4 * face..4 * face + 4].copy_from_slice(&[[a, ab, ca], [b, bc, ab], [c, ca, bc], [ab, bc, ca]]);
+    }
+    (vertices, triangles)
+}
