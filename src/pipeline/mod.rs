@@ -1,12 +1,16 @@
 //! From a pipeline file to a finished run: raw, check, plan, resume, exec.
 //!
-//! `check::load` reads a file and answers with a [`Pipeline`] or with every `Problem` that it has.
+//! [`check::load`] reads a file and answers with a [`Pipeline`] or with every [`Problem`](problem::Problem) that it has.
 //! A `Pipeline` is checked: its values are in range, its paths are resolved, and its inputs were there. From then on
 //! nothing asks the file again. `plan` says what a run will take, [`exec`] runs it, [`report`] is what it leaves.
 
+pub mod check;
 pub mod exec;
+pub mod problem;
 pub mod progress;
+mod raw;
 pub mod report;
+mod section;
 
 pub use progress::Progress;
 pub use report::Report;
