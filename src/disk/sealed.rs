@@ -4,12 +4,12 @@
 //! body      any number of bytes
 //! length    u64      bytes of the body
 //! version   u32      of the body's layout
-//! crc32     u32      of body, length, version and magic
+//! crc32     u32      of the body
 //! magic     8 bytes  what kind of file this is
 //! ```
 //!
-//! The magic stands last, so that a file that was cut short does not carry it. Every byte of the file is covered: the
-//! length by the file's own size too, and the crc32 by itself.
+//! The magic stands last, so that a file that was cut short does not carry it. Every byte of the file is covered:
+//! the body by its crc32, the length by the file's size, version and magic by what the reader wants.
 
 use std::io::{self, Write};
 use std::ops::Deref;
@@ -87,19 +87,10 @@ impl Seal {
         if length != body.len() as u64 {
             return Err(format!("the footer says {length} bytes, but {} come before it", body.len()));
         }
-        if word(12) != self.checksum(crc32fast::hash(body), length) {
+        if word(12) != crc32fast::hash(body) {
             return Err(format!("the {kind} fails its checksum: it has changed since it was written"));
         }
         Ok(body.len())
-    }
-
-    /// The checksum in the footer, from that of the body.
-    fn checksum(&self, body: u32, length: u64) -> u32 {
-        let mut crc = crc32fast::Hasher::new_with_initial(body);
-        crc.update(&length.to_le_bytes());
-        crc.update(&self.version.to_le_bytes());
-        crc.update(&self.magic);
-        crc.finalize()
     }
 }
 
@@ -122,7 +113,7 @@ impl SealedWriter {
         let mut footer = [0; FOOTER];
         footer[..8].copy_from_slice(&self.length.to_le_bytes());
         footer[8..12].copy_from_slice(&self.seal.version.to_le_bytes());
-        footer[12..16].copy_from_slice(&self.seal.checksum(self.crc.finalize(), self.length).to_le_bytes());
+        footer[12..16].copy_from_slice(&self.crc.finalize().to_le_bytes());
         footer[16..].copy_from_slice(&self.seal.magic);
         self.draft.write_all(&footer).map_err(Error::io("write", self.draft.path()))?;
         self.draft.commit()

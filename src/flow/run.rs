@@ -164,16 +164,17 @@ impl<R: Send> Ready<'_, R> {
         let Wiring { stop, cut, tasks, .. } = self.wiring;
         thread::scope(|scope| {
             for task in tasks {
-                let (stop, name) = (stop.clone(), task.thread.clone());
-                let bomb = Bomb::arm(&stop, &task.stage);
-                let started =
-                    thread::Builder::new().name(task.thread).spawn_scoped(scope, move || {
-                        match catch_unwind(AssertUnwindSafe(task.body)) {
-                            Ok(Ok(())) => bomb.defuse(),
-                            Ok(Err(why)) => bomb.blow(why),
-                            Err(payload) => bomb.blow_panic(&*payload),
-                        }
-                    });
+                let Task { stage, thread, body } = task;
+                let (inner, name) = (stop.clone(), thread.clone());
+                let live = move || {
+                    let bomb = Bomb::arm(&inner, &stage);
+                    match catch_unwind(AssertUnwindSafe(body)) {
+                        Ok(Ok(())) => bomb.defuse(),
+                        Ok(Err(why)) => bomb.blow(why),
+                        Err(payload) => bomb.blow_panic(&*payload),
+                    }
+                };
+                let started = thread::Builder::new().name(thread).spawn_scoped(scope, live);
                 if let Err(why) = started {
                     stop.halt(Error::invalid(format!("cannot start thread {name}: {why}")));
                 }

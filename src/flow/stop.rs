@@ -174,13 +174,13 @@ mod tests {
 
     #[test]
     fn a_halt_wakes_those_who_wait() {
-        let stop = StopSignal::new();
-        let (_tx, rx) = crossbeam_channel::bounded::<u8>(0);
-        let waiting = {
-            let stop = stop.clone();
-            std::thread::spawn(move || stop.recv(&rx).is_err_and(|e| e.is_interrupt()))
-        };
-        stop.halt(Error::invalid("enough"));
-        assert!(waiting.join().unwrap());
+        crate::flow::tests::within_watchdog(|| {
+            let stop = StopSignal::new();
+            let (_tx, rx) = crossbeam_channel::bounded::<u8>(0);
+            let inner = stop.clone();
+            let waiting = std::thread::spawn(move || inner.recv(&rx).is_err_and(|e| e.is_interrupt()));
+            stop.halt(Error::invalid("enough"));
+            assert!(waiting.join().unwrap());
+        });
     }
 }

@@ -29,6 +29,16 @@ fn a_sealed_body_is_read_back() {
 }
 
 #[test]
+fn the_layout_is_as_documented() {
+    on_each_store(|store| {
+        seal(&*store, "a", b"123456789");
+        // The crc32 of these digits is the check value of its definition: cbf43926.
+        let wanted = b"123456789\x09\0\0\0\0\0\0\0\x03\0\0\0\x26\x39\xf4\xcbGONIOTST";
+        assert_eq!(&*store.open("a").unwrap(), wanted);
+    });
+}
+
+#[test]
 fn an_unsealed_file_is_not_there() {
     on_each_store(|store| {
         let mut writer = SEAL.create(&*store, "a").unwrap();

@@ -11,7 +11,7 @@ mod order;
 mod stopping;
 
 /// Runs `work` on a thread of its own and fails if it does not end.
-fn within_watchdog<R: Send + 'static>(work: impl FnOnce() -> R + Send + 'static) -> R {
+pub(super) fn within_watchdog<R: Send + 'static>(work: impl FnOnce() -> R + Send + 'static) -> R {
     let (tx, rx) = mpsc::channel();
     let worker = thread::spawn(move || tx.send(work()));
     match rx.recv_timeout(Duration::from_secs(30)) {
