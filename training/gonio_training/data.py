@@ -46,6 +46,15 @@ def to_batch(records: np.ndarray) -> Batch:
     )
 
 
+def dense(batch: Batch) -> np.ndarray:
+    """The maps as the model contract has them, [N, 4, 60, 120]: rgb and coverage."""
+    maps = np.zeros((len(batch.count), 4, BINS), np.float32)
+    for map, count, bins, rgb in zip(maps, batch.count.tolist(), batch.bins.numpy(), batch.rgb.numpy()):
+        map[:3, bins[:count]] = rgb[:count].T
+        map[3, bins[:count]] = 1.0
+    return maps.reshape(-1, 4, ROWS, COLUMNS)
+
+
 def stream(binary: str, seed: int, count: int, batch: int) -> Iterator[Batch]:
     """Batches of samples `0..count` of a seed; the last one may be short."""
     command = [binary, "synth", "bins", "--count", str(count), "--seed", str(seed), "--out", "-"]

@@ -16,9 +16,9 @@ FRONT = BINS // 2
 class SetNetwork(nn.Module):
     """Directions [N, S, 3], radiance [N, S, 3] and mask [N, S, 1] to materials [N, 7]."""
 
-    def __init__(self, width: int = 128, wide: int = 192, head: int = 768) -> None:
+    def __init__(self, width: int = 96, wide: int = 128, head: int = 1024) -> None:
         super().__init__()
-        self.embed = nn.Sequential(nn.Linear(9, 64), nn.ReLU(), nn.Linear(64, width), nn.ReLU())
+        self.embed = nn.Sequential(nn.Linear(12, 64), nn.ReLU(), nn.Linear(64, width), nn.ReLU())
         self.context = nn.Sequential(nn.Linear(2 * width + 1, width), nn.ReLU())
         self.own = nn.Linear(width, wide)
         self.given = nn.Linear(width, wide)
@@ -29,8 +29,11 @@ class SetNetwork(nn.Module):
 
     def forward(self, direction: torch.Tensor, rgb: torch.Tensor, mask: torch.Tensor) -> torch.Tensor:
         share = mask / mask.sum(1, keepdim=True).clamp(min=1.0)
-        # Normalisation: radiance beside its square root, which spreads the dark half that linear values crowd together.
-        features = torch.cat([direction, rgb, torch.sqrt(rgb + 1e-4)], -1)
+        # Normalisation: radiance; its square root, which spreads the dark half that linear values crowd together; and by
+        # how much a bin differs from the map's mean, which is all that tells a faint highlight from a matt surface.
+        mean = (rgb * share).sum(1, keepdim=True)
+        contrast = (4.0 * torch.log((rgb + 0.01) / (mean + 0.01))).clamp(-4.0, 4.0)
+        features = torch.cat([direction, rgb, torch.sqrt(rgb + 1e-4), contrast], -1)
         bins = self.embed(features)
         # After a ReLU nothing is below 0, so masking with 0 leaves the maximum right.
         count = mask.sum(1) / SLOTS

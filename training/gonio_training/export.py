@@ -1,0 +1,99 @@
+"""Writes a trained network as ONNX behind the model contract: one file, symbolic batch, metadata inside.
+
+    python -m gonio_training.export --gonio ../target/release/gonio --checkpoint out/set.pt --out ../models/gonio-lobe-small.onnx
+"""
+
+import argparse
+import json
+import os
+from pathlib import Path
+
+import onnx
+import torch
+
+from .data import COLUMNS, ROWS, stream
+from .network import DenseNetwork, SetNetwork
+from .train import predict, published_loss
+
+OPSET = 18
+# The oldest file format that holds this opset, so that older ONNX Runtimes read the file.
+IR_VERSION = 9
+VERSION = "1"
+HELD_OUT = 16_384
+
+
+def load(checkpoint: Path) -> tuple[SetNetwork, dict]:
+    """The averaged network of a checkpoint, and the checkpoint."""
+    state = torch.load(checkpoint, weights_only=True)
+    network = SetNetwork().eval()
+    network.load_state_dict(state["average"])
+    return network, state
+
+
+def training(network: SetNetwork, state: dict, binary: str) -> dict:
+    """What `gonio.training` says: data, samples, seed, and errors on samples of another seed."""
+    seed = state["seed"] + 2_000_000
+    held_out = next(stream(binary, seed, HELD_OUT, HELD_OUT))
+    mu = predict(network, held_out)
+    error = (mu - held_out.material).abs().mean(0)
+    metrics = {
+        "held_out": HELD_OUT,
+        "held_out_seed": seed,
+        "loss": published_loss(mu, held_out.material).mean().item(),
+        "kd": error[:3].mean().item(),
+        "ks": error[3:6].mean().item(),
+        "r": error[6].item(),
+    }
+    metrics = {name: round(value, 4) for name, value in metrics.items()}
+    return {"data": "gonio synth bins", "samples": state["samples"], "seed": state["seed"], "metrics": metrics}
+
+
+def graph(network: SetNetwork) -> onnx.ModelProto:
+    """The network behind the contract, without traces of where it was made."""
+    # Two maps, not one: a batch of one would be taken as fixed.
+    example = torch.zeros(2, 4, ROWS, COLUMNS)
+    example[:, :, 3, ::7] = 0.5
+    program = torch.onnx.export(
+        DenseNetwork(network).eval(),
+        (example,),
+        input_names=["map"],
+        output_names=["mu"],
+        dynamic_shapes={"map": {0: torch.export.Dim("N")}},
+        opset_version=OPSET,
+        dynamo=True,
+        verbose=False,
+    )
+    model = program.model_proto
+    model.ir_version = IR_VERSION
+    model.doc_string = model.graph.doc_string = ""
+    del model.metadata_props[:], model.graph.metadata_props[:]
+    graph = model.graph
+    for part in (*graph.node, *graph.input, *graph.output, *graph.value_info, *graph.initializer):
+        part.doc_string = ""
+        del part.metadata_props[:]
+    return model
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--gonio", default="../target/release/gonio", help="the gonio binary")
+    parser.add_argument("--checkpoint", type=Path, default=Path("out/set.pt"))
+    parser.add_argument("--out", type=Path, default=Path("../models/gonio-lobe-small.onnx"))
+    args = parser.parse_args()
+
+    network, state = load(args.checkpoint)
+    model = graph(network)
+    told = training(network, state, args.gonio)
+    facts = {"gonio.kind": "lobe", "gonio.version": VERSION, "gonio.training": json.dumps(told)}
+    onnx.helper.set_model_props(model, facts)
+    onnx.checker.check_model(model, full_check=True)
+    args.out.parent.mkdir(parents=True, exist_ok=True)
+    temporary = args.out.with_suffix(".tmp")
+    onnx.save(model, temporary)
+    os.replace(temporary, args.out)
+    parameters = sum(p.numel() for p in network.parameters())
+    print(f"{args.out}: {parameters} parameters, {args.out.stat().st_size} bytes, {facts['gonio.training']}")
+
+
+if __name__ == "__main__":
+    main()

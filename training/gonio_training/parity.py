@@ -1,0 +1,49 @@
+"""Checks that an exported model says what its checkpoint says: largest difference over held-out maps, and on an empty one.
+
+    python -m gonio_training.parity --gonio ../target/release/gonio --checkpoint out/set.pt --model ../models/gonio-lobe-small.onnx
+"""
+
+import argparse
+from pathlib import Path
+
+import numpy as np
+import onnxruntime
+import torch
+
+from .data import Batch, dense, stream
+from .export import load
+from .train import predict
+
+SEED = 3_000_000
+ALLOWED = 1e-5
+
+
+def run(model: Path, maps: np.ndarray, threads: int = 1) -> np.ndarray:
+    """Materials [N, 7] of dense maps [N, 4, 60, 120]."""
+    options = onnxruntime.SessionOptions()
+    options.intra_op_num_threads = threads
+    session = onnxruntime.InferenceSession(str(model), options, providers=["CPUExecutionProvider"])
+    parts = [session.run(["mu"], {"map": maps[i : i + 64]})[0] for i in range(0, len(maps), 64)]
+    return np.concatenate(parts)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--gonio", default="../target/release/gonio", help="the gonio binary")
+    parser.add_argument("--checkpoint", type=Path, default=Path("out/set.pt"))
+    parser.add_argument("--model", type=Path, default=Path("../models/gonio-lobe-small.onnx"))
+    parser.add_argument("--count", type=int, default=2048)
+    args = parser.parse_args()
+
+    network, _ = load(args.checkpoint)
+    batch: Batch = next(stream(args.gonio, SEED, args.count, args.count))
+    difference = np.abs(run(args.model, dense(batch)) - predict(network, batch).numpy()).max()
+    empty = run(args.model, np.zeros((1, 4, 60, 120), np.float32))
+    sound = bool(np.isfinite(empty).all() and (empty >= 0).all() and (empty <= 1).all())
+    print(f"largest difference of {args.count} maps {difference:.1e}, {ALLOWED:.0e} allowed; empty map sound: {sound}")
+    raise SystemExit(0 if difference <= ALLOWED and sound else 1)
+
+
+if __name__ == "__main__":
+    torch.set_num_threads(1)
+    main()
