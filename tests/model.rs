@@ -37,6 +37,12 @@ fn backends() -> Vec<Backend> {
     vec![Backend::Embedded, Backend::OnnxRuntime]
 }
 
+/// A model of each make: a convolution, a set of bins, a light, and what is shipped.
+fn sound() -> Vec<ModelSource> {
+    let shipped = model::BUILT_IN.iter().map(|m| ModelSource::named(m.name, Path::new("")));
+    ["conv4", "set4", "light3"].map(tiny).into_iter().chain(shipped).collect()
+}
+
 /// Maps as scenes fill them: a few front bins each; the first is empty, the second full.
 fn maps(count: usize, channels: usize) -> Vec<f32> {
     let mut random = Pcg64Mcg::seed_from_u64(7);
@@ -71,19 +77,20 @@ fn estimate(model: &dyn Estimator, maps: &[f32], batch: usize) -> Vec<[f32; 7]> 
 #[test]
 fn bits_do_not_depend_on_the_batch_or_the_neighbours() {
     for backend in backends() {
-        for name in ["conv4", "set4", "light3"] {
-            let model = load(&tiny(name), backend).unwrap();
+        for source in sound() {
+            let model = load(&source, backend).unwrap();
+            let name = model.describe();
             let maps = maps(67, model.contract().channels);
             let alone = estimate(&*model, &maps, 1);
             for batch in [7, 64] {
-                assert_eq!(alone, estimate(&*model, &maps, batch), "{name} on {backend}, {batch} at once");
+                assert_eq!(alone, estimate(&*model, &maps, batch), "{name}, {batch} at once");
             }
             // Each row of a micro-batch in turn: the first maps move along by one.
             let map = model.contract().channels * BINS;
             for shift in 1..model.micro_batch() {
                 let moved: Vec<f32> = maps[..shift * map].iter().chain(&maps[..8 * map]).copied().collect();
                 let moved = estimate(&*model, &moved, shift + 8);
-                assert_eq!(alone[..8], moved[shift..], "{name} on {backend}, moved by {shift}");
+                assert_eq!(alone[..8], moved[shift..], "{name}, moved by {shift}");
             }
             assert!(alone.windows(2).any(|w| w[0] != w[1]), "{name} does not look at its maps");
         }
@@ -93,20 +100,32 @@ fn bits_do_not_depend_on_the_batch_or_the_neighbours() {
 #[test]
 fn engines_agree() {
     let backends = backends();
-    for name in ["conv4", "set4", "light3"] {
+    for source in sound() {
         let results: Vec<_> = backends
             .iter()
             .map(|b| {
-                let model = load(&tiny(name), *b).unwrap();
+                let model = load(&source, *b).unwrap();
                 estimate(&*model, &maps(20, model.contract().channels), 20)
             })
             .collect();
         for other in &results[1..] {
             for (a, b) in results[0].iter().flatten().zip(other.iter().flatten()) {
-                assert!((a - b).abs() <= 1e-4, "{name}: {a} {b}");
+                assert!((a - b).abs() <= 1e-4, "{source:?}: {a} {b}");
             }
         }
     }
+}
+
+#[test]
+fn a_process_holds_one_library() {
+    let Some(&backend) = backends().get(1) else { return };
+    let held = PathBuf::from(std::env::var_os("ORT_DYLIB_PATH").unwrap()).canonicalize().unwrap();
+    let said = load(&tiny("light3"), backend).unwrap().describe();
+    assert!(said.contains("on ONNX Runtime 1.") && said.ends_with(&*held.to_string_lossy()), "{said}");
+    // Any second file will do: it is refused before it is opened.
+    let other = Path::new(env!("CARGO_MANIFEST_DIR")).join("Cargo.toml");
+    let said = model::load(&tiny("light3"), backend, Some(&other)).err().unwrap().to_string();
+    assert!(said.contains(&format!("this process already holds {}", held.display())), "{said}");
 }
 
 #[test]
@@ -206,7 +225,7 @@ fn files_that_are_no_models_are_refused() {
             let said = refusal(&file(&folder, bytes), backend);
             assert!(said.contains("not an ONNX file"), "{said}");
         }
-        for length in 0..whole.len() {
+        for length in (0..whole.len()).step_by(5) {
             refusal(&file(&folder, &whole[..length]), backend);
         }
     }
@@ -218,13 +237,13 @@ fn flipped_bits_never_panic() {
     let whole = std::fs::read(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/models/light3.onnx")).unwrap();
     let mut refused = 0;
     for backend in backends() {
-        for bit in (0..whole.len() * 8).step_by(19) {
+        for bit in (0..whole.len() * 8).step_by(41) {
             let mut bytes = whole.clone();
             bytes[bit / 8] ^= 1 << (bit % 8);
             refused += usize::from(load(&file(&folder, &bytes), backend).is_err());
         }
     }
-    assert!(refused > 50, "{refused}");
+    assert!(refused > 20, "{refused}");
 }
 
 #[test]

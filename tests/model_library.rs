@@ -1,8 +1,14 @@
 //! Libraries that are not what they should be. A process holds one library for good, so these run apart from the tests
 //! that use one, and none of them may open.
-#![expect(clippy::panic, reason = "a test fails by panicking, and says what it skips")]
+#![expect(
+    clippy::panic,
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "a test fails by panicking, and says what it skips"
+)]
 
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 use gonio::model::{self, Backend, ModelSource};
 
@@ -66,4 +72,55 @@ fn a_library_cut_short_is_refused() {
         let said = refusal(Backend::OnnxRuntime, &path);
         assert!(said.contains("it is cut short") || length < 64, "{length}: {said}");
     }
+}
+
+/// Says what was loaded, or why nothing was; the tests below run it in other environments.
+#[test]
+#[ignore = "run by the tests below"]
+fn say_what_is_loaded() {
+    let backend = std::env::var("BACKEND_UNDER_TEST").unwrap_or_default().parse().unwrap_or_default();
+    let source = ModelSource::named(model::BUILT_IN[0].name, Path::new(""));
+    match model::load(&source, backend, None) {
+        Ok(model) => println!("loaded: {}", model.describe()),
+        Err(e) => println!("refused: {e}"),
+    }
+}
+
+/// What a process says that finds these values of `ORT_DYLIB_PATH` and `LD_LIBRARY_PATH`.
+fn said_with(backend: Backend, library: &Path, folder: &Path) -> String {
+    let output = Command::new(std::env::current_exe().unwrap())
+        .args(["--exact", "say_what_is_loaded", "--ignored", "--nocapture"])
+        .env("BACKEND_UNDER_TEST", backend.to_string())
+        .env("ORT_DYLIB_PATH", library)
+        .env("LD_LIBRARY_PATH", folder)
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{output:?}");
+    String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+#[test]
+fn a_library_that_the_environment_names_must_work() {
+    let none = Path::new("/nowhere/none.so");
+    for backend in [Backend::Auto, Backend::OnnxRuntime] {
+        let said = said_with(backend, none, Path::new(""));
+        assert!(said.contains("refused: /nowhere/none.so: named by ORT_DYLIB_PATH, but No such file"), "{said}");
+    }
+    let said = said_with(Backend::Embedded, none, Path::new(""));
+    assert!(said.contains("built in"), "{said}");
+}
+
+#[test]
+fn auto_passes_over_a_broken_library_that_nobody_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let name = format!("{}onnxruntime{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
+    std::fs::write(folder.path().join(&name), "not a library\n").unwrap();
+    let said = said_with(Backend::Auto, Path::new(""), folder.path());
+    let passed_over = said.contains("built in; ") && said.contains(&format!("{name} was not used: the system cannot"));
+    let found_another = said.contains("on ONNX Runtime");
+    assert!(passed_over || found_another, "{said}");
+    let said = said_with(Backend::OnnxRuntime, Path::new(""), folder.path());
+    let refused =
+        said.contains("refused: no usable ONNX Runtime library in") && said.contains("backend = \"embedded\"");
+    assert!(refused || found_another, "{said}");
 }

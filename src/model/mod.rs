@@ -7,7 +7,8 @@
 //! - A map's material has the same bits whatever maps lie beside it, however many are given at once, and whichever
 //!   session takes it: an engine always sees one fixed number of maps ([`Estimator::micro_batch`]), the rest of them
 //!   empty, and runs on the caller's thread alone.
-//! - The two engines agree to 1e-4, not to the bit. The engine is therefore part of [`Estimator::key`].
+//! - The two engines agree to 1e-4, not to the bit, nor does one engine to the bit on processors of other instruction
+//!   sets. The engine is therefore part of [`Estimator::key`].
 //! - Memory is bounded by the model: its file (at most 1 GiB) and a few copies of its weights, plus the activations of
 //!   one micro-batch for each session ([`Estimator::memory`]). A model is a program: one that asks for huge
 //!   intermediate arrays gets them, so take models from where you take programs.
