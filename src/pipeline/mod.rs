@@ -12,6 +12,7 @@ mod raw;
 pub mod report;
 mod section;
 
+pub use exec::{buffers, export, maps, run};
 pub use progress::Progress;
 pub use report::Report;
 

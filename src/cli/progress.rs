@@ -1,0 +1,292 @@
+//! Shows how far a run is, while it runs: redrawn in place on a terminal, a few plain lines every half minute where
+//! there is none, or JSON events.
+
+use std::io::Write;
+use std::time::{Duration, Instant};
+
+use crossbeam_channel::{Receiver, RecvTimeoutError};
+use serde_json::{Value, json};
+
+use super::{err, out};
+use crate::flow::{Meter, Reading, StopSignal};
+use crate::pipeline::Progress;
+use crate::pipeline::progress::{Phase, State, time_left};
+
+/// How progress is shown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Style {
+    /// Lines on standard error, redrawn in place.
+    Terminal,
+    /// Lines on standard error, now and then.
+    Plain,
+    /// Events on standard output.
+    Json,
+}
+
+impl Style {
+    fn period(self) -> Duration {
+        match self {
+            Style::Terminal => Duration::from_millis(250),
+            Style::Plain => Duration::from_secs(30),
+            Style::Json => Duration::from_secs(1),
+        }
+    }
+}
+
+/// What is shown, and what was shown last.
+#[derive(Debug)]
+pub struct Show {
+    style: Style,
+    started: Instant,
+    /// Lines on the terminal that the next ones replace.
+    drawn: usize,
+    /// Phases whose end has been told.
+    ended: usize,
+    stopping: bool,
+    rates: Vec<Rate>,
+}
+
+impl Show {
+    /// Nothing shown yet.
+    pub fn new(style: Style) -> Self {
+        Show { style, started: Instant::now(), drawn: 0, ended: 0, stopping: false, rates: Vec::new() }
+    }
+
+    /// Shows until the channel closes. Notes, ends of phases and a stop are told within a quarter of a second.
+    pub fn until(mut self, running: &Receiver<()>, progress: &Progress, stop: &StopSignal) {
+        let mut shown = Instant::now();
+        loop {
+            let ended = running.recv_timeout(Style::Terminal.period()) != Err(RecvTimeoutError::Timeout);
+            self.tell(progress, stop);
+            if ended {
+                return self.clear();
+            }
+            if shown.elapsed() >= self.style.period() || self.style == Style::Terminal {
+                shown = Instant::now();
+                self.draw(&progress.phases(), shown);
+            }
+        }
+    }
+
+    /// Tells what is told once.
+    fn tell(&mut self, progress: &Progress, stop: &StopSignal) {
+        let mut events: Vec<(String, Value)> = Vec::new();
+        for note in progress.take_notes() {
+            events.push((note.clone(), json!({ "event": "note", "note": note })));
+        }
+        if stop.draining() && !stop.halted() && !self.stopping {
+            self.stopping = true;
+            let words = "stopping: what is in flight is finished and committed; once more to stop at once";
+            events.push((words.to_owned(), json!({ "event": "stopping" })));
+        }
+        let ended: Vec<(String, Duration)> = progress
+            .phases()
+            .into_iter()
+            .filter_map(|p| if let State::Done(took) = p.state { Some((p.name, took)) } else { None })
+            .collect();
+        for (name, took) in &ended[self.ended.min(ended.len())..] {
+            let event = json!({ "event": "phase", "name": name, "seconds": took.as_secs_f64() });
+            events.push((format!("{name}: done in {}", clock(took.as_secs_f64())), event));
+        }
+        self.ended = ended.len();
+        if !events.is_empty() {
+            self.clear();
+        }
+        for (words, event) in events {
+            if self.style == Style::Json { out(&event.to_string()) } else { err(&words) }
+        }
+    }
+
+    fn draw(&mut self, phases: &[Phase], now: Instant) {
+        let Some(phase) = phases.iter().find(|p| matches!(p.state, State::Running(_))) else { return };
+        let left = time_left(phases, now);
+        let rows = self.rows(phase, now);
+        if self.style == Style::Json {
+            let stages: Vec<Value> = rows.iter().map(Row::event).collect();
+            let left = left.map(|d| d.as_secs_f64());
+            let event = json!({
+                "event": "progress", "phase": phase.name, "done": phase.done(), "seconds_left": left, "stages": stages,
+            });
+            return out(&event.to_string());
+        }
+        let mut lines = vec![headline(phase, now - self.started, left)];
+        lines.extend(rows.iter().map(Row::line));
+        if self.style == Style::Plain {
+            return err(&lines.join("\n"));
+        }
+        self.clear();
+        self.drawn = lines.len();
+        err(&lines.join("\n"));
+    }
+
+    /// Takes the lines off the terminal again.
+    fn clear(&mut self) {
+        if self.drawn > 0 {
+            // Up so many lines, then clear to the end of the screen.
+            write!(std::io::stderr().lock(), "\x1b[{}A\x1b[J", self.drawn).unwrap_or_default();
+            self.drawn = 0;
+        }
+    }
+
+    fn rows(&mut self, phase: &Phase, now: Instant) -> Vec<Row> {
+        let stages: Vec<(&Meter, Reading)> = phase.meters.iter().map(|m| (&**m, m.read())).collect();
+        self.rates.resize(stages.len(), Rate::default());
+        let total = phase.meters.first().and_then(|m| m.total());
+        let last = stages.len().saturating_sub(1);
+        let mut row = |(at, (meter, reading)): (usize, &(&Meter, Reading))| {
+            let items = if at == last { reading.items_in } else { reading.items_out };
+            let name = format!("{}/{}", phase.name, meter.name());
+            let rate = &mut self.rates[at];
+            rate.update(&name, items, now);
+            Row {
+                name: meter.name().to_owned(),
+                items,
+                total: total.filter(|_| at == 0 || at == last),
+                per_second: rate.per_second,
+                queue: (at > 0).then(|| (reading.queue, meter.queue_bound())),
+                reading: *reading,
+            }
+        };
+        stages.iter().enumerate().map(&mut row).collect()
+    }
+}
+
+/// Items a second, smoothed over about ten seconds.
+#[derive(Debug, Clone, Default)]
+struct Rate {
+    of: String,
+    last: Option<(Instant, u64)>,
+    per_second: f64,
+}
+
+impl Rate {
+    fn update(&mut self, of: &str, items: u64, now: Instant) {
+        if self.of != of {
+            *self = Rate { of: of.to_owned(), ..Rate::default() };
+        }
+        if let Some((then, before)) = self.last {
+            let seconds = now.saturating_duration_since(then).as_secs_f64();
+            if seconds > 0.0 {
+                let current = items.saturating_sub(before) as f64 / seconds;
+                let weight = if self.per_second == 0.0 { 1.0 } else { 1.0 - (-seconds / 10.0).exp() };
+                self.per_second += weight * (current - self.per_second);
+            }
+        }
+        self.last = Some((now, items));
+    }
+}
+
+/// What is shown of one stage.
+#[derive(Debug)]
+struct Row {
+    name: String,
+    items: u64,
+    total: Option<u64>,
+    per_second: f64,
+    /// Items in the queue before it, and its bound.
+    queue: Option<(usize, usize)>,
+    reading: Reading,
+}
+
+impl Row {
+    /// Shares of the threads' time: waiting for input, waiting for output, in [0, 1].
+    fn waiting(&self) -> [f64; 2] {
+        let [busy, input, output] =
+            [self.reading.busy, self.reading.wait_in, self.reading.wait_out].map(|d| d.as_secs_f64());
+        let all = (busy + input + output).max(1e-9);
+        [input / all, output / all]
+    }
+
+    /// One line of at most 79 characters, so that it fits any terminal.
+    fn line(&self) -> String {
+        let of = self.total.map_or(String::new(), |total| format!("/{total}"));
+        let queue = self.queue.map_or(String::new(), |(n, bound)| format!("queue {n}/{bound}"));
+        let [input, output] = self.waiting().map(|share| 100.0 * share);
+        let waits = format!("waits {input:3.0}% in {output:3.0}% out");
+        let skipped = if self.reading.skipped > 0 { format!(" skip {}", self.reading.skipped) } else { String::new() };
+        let name: String = self.name.chars().take(8).collect();
+        let (items, rate) = (format!("{}{of}", self.items), short(self.per_second));
+        let line = format!("  {name:8} {items:>13} {rate:>7}/s {queue:10} {waits}{skipped}");
+        line.chars().take(79).collect()
+    }
+
+    fn event(&self) -> Value {
+        let [input, output] = self.waiting();
+        json!({
+            "name": self.name, "items": self.items, "per_second": self.per_second,
+            "queue": self.queue.map(|(n, _)| n), "queue_bound": self.queue.map(|(_, bound)| bound),
+            "waiting_for_input": input, "waiting_for_output": output,
+            "bytes": self.reading.bytes, "skipped": self.reading.skipped,
+        })
+    }
+}
+
+fn headline(phase: &Phase, elapsed: Duration, left: Option<Duration>) -> String {
+    let done = phase.done().map_or(String::new(), |share| format!(" {:.0}%", 100.0 * share));
+    let left = left.map_or(String::new(), |left| format!(", about {} left in all", clock(left.as_secs_f64())));
+    format!("{}{done}, {} so far{left}", phase.name, clock(elapsed.as_secs_f64()))
+}
+
+/// Seconds as people read them: `4.2 s`, `3:07`, `5:03:07`.
+pub fn clock(time: f64) -> String {
+    let seconds = time as u64;
+    match (seconds / 3600, seconds / 60 % 60, seconds % 60) {
+        (0, 0, _) => format!("{time:.1} s"),
+        (0, minutes, seconds) => format!("{minutes}:{seconds:02}"),
+        (hours, minutes, seconds) => format!("{hours}:{minutes:02}:{seconds:02}"),
+    }
+}
+
+/// A number as people read it, in at most six characters: `0.42`, `12.3`, `4.56 k`, `7.89 M`.
+pub fn short(number: f64) -> String {
+    let scaled = [(1e9, " G"), (1e6, " M"), (1e3, " k")].iter().find(|(scale, _)| number.abs() >= *scale);
+    let (value, suffix) = scaled.map_or((number, ""), |(scale, suffix)| (number / scale, *suffix));
+    let digits = if value.abs() >= 100.0 { 0 } else { usize::from(value.abs() < 10.0) + 1 };
+    format!("{value:.digits$}{suffix}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(items: u64, seconds: [u64; 3]) -> Row {
+        let [busy, wait_in, wait_out] = seconds.map(Duration::from_secs);
+        let reading = Reading { busy, wait_in, wait_out, skipped: 2, ..Reading::default() };
+        Row { name: "decode".into(), items, total: Some(600), per_second: 12.34, queue: Some((3, 4)), reading }
+    }
+
+    #[test]
+    fn a_stage_is_a_line_that_fits() {
+        insta::assert_snapshot!(row(123, [85, 12, 3]).line(), @r#"  decode         123/600    12.3/s queue 3/4  waits  12% in   3% out skip 2"#);
+        let wide = Row { total: Some(u64::MAX), queue: Some((usize::MAX, 1)), ..row(u64::MAX, [0, 0, 0]) };
+        assert!(wide.line().chars().count() <= 79);
+    }
+
+    #[test]
+    fn the_headline_says_how_long() {
+        let phase = Phase { name: "cast".into(), expected: Duration::ZERO, state: State::Waiting, meters: Vec::new() };
+        let line = headline(&phase, Duration::from_secs(187), Some(Duration::from_secs(18_187)));
+        insta::assert_snapshot!(line, @r#"cast, 3:07 so far, about 5:03:07 left in all"#);
+    }
+
+    #[test]
+    fn numbers_are_short() {
+        let cases =
+            [(0.0, "0.00"), (0.424, "0.42"), (12.34, "12.3"), (123.4, "123"), (4560.0, "4.56 k"), (7.9e8, "790 M")];
+        for (number, text) in cases {
+            assert_eq!(short(number), text);
+        }
+        assert_eq!(clock(4.2), "4.2 s");
+    }
+
+    #[test]
+    fn a_rate_settles_and_starts_anew_with_another_stage() {
+        let (mut rate, start) = (Rate::default(), Instant::now());
+        for second in 0..60 {
+            rate.update("a", 10 * second, start + Duration::from_secs(second));
+        }
+        assert!((rate.per_second - 10.0).abs() < 1e-9, "{}", rate.per_second);
+        rate.update("b", 0, start + Duration::from_secs(60));
+        assert_eq!(rate.per_second, 0.0);
+    }
+}

@@ -1,0 +1,140 @@
+//! The table at the end of a run.
+
+use std::fmt::Write;
+
+use super::progress::{clock, short};
+use crate::base::units::Bytes;
+use crate::pipeline::Report;
+use crate::pipeline::report::Stage;
+
+/// Skipped items that are listed; `report.json` has all.
+const LISTED: usize = 20;
+
+/// The report as lines of text.
+pub fn table(report: &Report) -> String {
+    let mut lines = Lines(String::new());
+    let (f, t) = (&report.frames, &report.triangles);
+    for item in report.skipped.iter().take(LISTED) {
+        lines.add(format!("skipped {}: {}\n    once more: {}", item.item, item.why, item.replay));
+    }
+    if report.skipped.len() > LISTED {
+        lines.add(format!("and {} more, in report.json", report.skipped.len() - LISTED));
+    }
+    let frames = format!("{} cast, {} from before, {} skipped", f.cast, f.resumed, f.skipped);
+    lines.row("frames", format!("{} ({frames})", f.total));
+    lines.row("rays", short(report.rays as f64));
+    let each = report.segment_bytes as f64 / (report.observations as f64).max(1.0);
+    let records = format!("{} records, {}", short(report.records as f64), Bytes(report.segment_bytes));
+    lines.row("observations", format!("{} ({records}, {each:.2} bytes each)", short(report.observations as f64)));
+    let mut triangles = format!("{} seen, {} filled", t.seen, t.filled);
+    for (count, what) in [(t.empty, "without a material"), (t.degenerate, "without area")] {
+        if count > 0 {
+            write!(triangles, ", {count} {what}").unwrap_or_default();
+        }
+    }
+    lines.row("triangles", format!("{} ({triangles})", t.total));
+    lines.row("estimator", report.backend.clone());
+    lines.row("memory", format!("{} lent at most", Bytes(report.memory_peak)));
+    lines.row("time", clock(report.seconds));
+    for phase in &report.phases {
+        lines.add(format!("  {:13}{:>8}", phase.name, clock(phase.seconds)));
+        report.stages.iter().filter(|s| s.phase == phase.name).for_each(|stage| lines.add(line(stage)));
+    }
+    if let Some(stage) = report.bottleneck() {
+        let busy = 100.0 * stage.busy_share();
+        lines.row("bottleneck", format!("{}, busy {busy:.0}% of its time", stage.name));
+    }
+    for path in &report.outputs {
+        lines.row("written", path.display().to_string());
+    }
+    lines.0.pop();
+    lines.0
+}
+
+fn line(stage: &Stage) -> String {
+    let all = stage.busy + stage.waiting_for_input + stage.waiting_for_output;
+    let share = |seconds: f64| if all > 0.0 { 100.0 * seconds / all } else { 0.0 };
+    format!(
+        "    {:11}{:>8} busy on {} thread{}: {:.0}%, waiting {:.0}% in {:.0}% out",
+        stage.name,
+        clock(stage.busy),
+        stage.workers,
+        if stage.workers == 1 { "" } else { "s" },
+        share(stage.busy),
+        share(stage.waiting_for_input),
+        share(stage.waiting_for_output),
+    )
+}
+
+struct Lines(String);
+
+impl Lines {
+    fn add(&mut self, line: impl AsRef<str>) {
+        self.0.push_str(line.as_ref());
+        self.0.push('\n');
+    }
+
+    fn row(&mut self, name: &str, text: String) {
+        self.add(format!("{name:15}{text}"));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pipeline::report::{Frames, Item, Phase, Triangles};
+
+    #[test]
+    fn the_table_says_it_all() {
+        let stage = |name: &str, workers, busy, waiting_for_input, waiting_for_output| Stage {
+            phase: "cast".into(),
+            name: name.into(),
+            workers,
+            busy,
+            waiting_for_input,
+            waiting_for_output,
+            ..Stage::default()
+        };
+        let item = |n: u32| Item {
+            item: format!("{n:02}.jpg"),
+            why: "it ends early".into(),
+            replay: format!("gonio buffers p.toml --frame {n:02}.jpg --out b.exr"),
+        };
+        let report = Report {
+            gonio: "0.1.0".into(),
+            seconds: 75.25,
+            frames: Frames { total: 60, cast: 30, resumed: 8, skipped: 22 },
+            rays: 64_800_000,
+            observations: 52_100_000,
+            records: 1_230_000,
+            triangles: Triangles { total: 50_123, degenerate: 3, seen: 45_000, filled: 5_000, empty: 123 },
+            segment_bytes: 12_345_678,
+            memory_peak: 3 << 29,
+            backend: "gonio-lobe-small on tract 0.23.9".into(),
+            phases: vec![Phase { name: "load".into(), seconds: 2.25 }, Phase { name: "cast".into(), seconds: 73.0 }],
+            stages: vec![stage("decode", 2, 30.0, 1.0, 100.0), stage("cast", 2, 140.0, 5.0, 1.0)],
+            skipped: (0..22).map(item).collect(),
+            outputs: vec!["work/export/scene.glb".into()],
+        };
+        let text = table(&report);
+        let end = text.find("and 2 more").unwrap();
+        assert_eq!(text[..end].lines().count(), 2 * LISTED);
+        insta::assert_snapshot!(&text[end..], @r#"
+    and 2 more, in report.json
+    frames         60 (30 cast, 8 from before, 22 skipped)
+    rays           64.8 M
+    observations   52.1 M (1.23 M records, 11.8 MiB, 0.24 bytes each)
+    triangles      50123 (45000 seen, 5000 filled, 123 without a material, 3 without area)
+    estimator      gonio-lobe-small on tract 0.23.9
+    memory         1.5 GiB lent at most
+    time           1:15
+      load            2.2 s
+      cast             1:13
+        decode       30.0 s busy on 2 threads: 23%, waiting 1% in 76% out
+        cast           2:20 busy on 2 threads: 96%, waiting 3% in 1% out
+    bottleneck     cast, busy 96% of its time
+    written        work/export/scene.glb
+    "#);
+        assert!(table(&Report::default()).lines().count() > 5);
+    }
+}

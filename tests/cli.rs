@@ -1,0 +1,132 @@
+//! The command as users run it: what it says, and with which exit code it ends. Failures show the command, its folder
+//! and both of its outputs.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+use tempfile::TempDir;
+
+/// What a command did.
+struct Ran {
+    command: String,
+    output: Output,
+}
+
+impl Ran {
+    /// Runs `gonio` with these arguments, separated by blanks, in a folder.
+    fn gonio(folder: &Path, args: &str) -> Ran {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_gonio"));
+        command.current_dir(folder).args(args.split_whitespace());
+        let output = command.output().unwrap();
+        Ran { command: format!("{command:?} in {}", folder.display()), output }
+    }
+
+    fn stdout(&self) -> String {
+        String::from_utf8_lossy(&self.output.stdout).into_owned()
+    }
+
+    fn stderr(&self) -> String {
+        String::from_utf8_lossy(&self.output.stderr).into_owned()
+    }
+
+    /// The exit code is this one.
+    #[track_caller]
+    fn ends(&self, code: i32) -> &Ran {
+        assert_eq!(self.output.status.code(), Some(code), "{self}");
+        self
+    }
+
+    /// Either output holds these words.
+    #[track_caller]
+    fn says(&self, words: &str) -> &Ran {
+        assert!(self.stdout().contains(words) || self.stderr().contains(words), "no {words:?}: {self}");
+        self
+    }
+}
+
+impl std::fmt::Display for Ran {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let (status, stdout, stderr) = (self.output.status, self.stdout(), self.stderr());
+        write!(f, "{}\n{status}\n--- stdout\n{stdout}--- stderr\n{stderr}", self.command)
+    }
+}
+
+/// A folder with a pipeline file `p.toml`, and inputs that are there but hold nothing.
+fn folder() -> TempDir {
+    let dir = TempDir::new().unwrap();
+    let template = Path::new(env!("CARGO_MANIFEST_DIR")).join("pipelines/colmap.toml");
+    fs::copy(template, dir.path().join("p.toml")).unwrap();
+    for folder in ["images", "sparse/0"] {
+        fs::create_dir_all(dir.path().join(folder)).unwrap();
+    }
+    for file in ["mesh.ply", "sparse/0/cameras.bin", "sparse/0/images.bin"] {
+        fs::write(dir.path().join(file), "").unwrap();
+    }
+    dir
+}
+
+#[test]
+fn a_good_file_is_called_good() {
+    let dir = folder();
+    let ran = Ran::gonio(dir.path(), "check p.toml");
+    assert_eq!(ran.ends(0).stdout(), "p.toml: no problems\n", "{ran}");
+}
+
+#[test]
+fn all_problems_of_a_file_are_shown_and_the_code_is_2() {
+    let dir = folder();
+    let file = dir.path().join("p.toml");
+    let text = fs::read_to_string(&file).unwrap().replace("tile = 32", "tiel = 32").replace("fill = true", "fill = 1");
+    fs::write(&file, text).unwrap();
+    fs::remove_file(dir.path().join("mesh.ply")).unwrap();
+    for command in ["check", "run", "export"] {
+        let ran = Ran::gonio(dir.path(), &format!("{command} p.toml --set run.threads=many"));
+        ran.ends(2).says("did you mean `tile`?").says("merge.fill: must be true or false; got 1");
+        ran.says("scene.mesh: no such file; got mesh.ply")
+            .says("--set run.threads: must be a whole number; got \"many\"");
+        ran.says("4 problems");
+        assert_eq!(ran.stdout(), "", "{ran}");
+    }
+}
+
+#[test]
+fn a_key_can_be_set_from_any_folder() {
+    let dir = folder();
+    let other = TempDir::new().unwrap();
+    fs::write(other.path().join("my.ply"), "").unwrap();
+    let file = dir.path().join("p.toml").display().to_string();
+    Ran::gonio(other.path(), &format!("check {file}")).ends(0);
+    Ran::gonio(other.path(), &format!("check {file} --set scene.mesh=my.ply")).ends(0);
+    Ran::gonio(dir.path(), "check p.toml --set scene.mesh=my.ply").ends(2).says("--set scene.mesh: no such file");
+}
+
+#[test]
+fn what_is_typed_wrong_ends_with_2() {
+    let dir = folder();
+    Ran::gonio(dir.path(), "chekc p.toml").ends(2).says("check");
+    Ran::gonio(dir.path(), "").ends(2).says("Usage");
+    Ran::gonio(dir.path(), "run").ends(2).says("PIPELINE");
+    Ran::gonio(dir.path(), "run p.toml --fast").ends(2).says("--fast");
+    Ran::gonio(dir.path(), "maps p.toml --triangles 1,-2 --out m.npz").ends(2).says("-2");
+    Ran::gonio(dir.path(), "maps p.toml --out m.npz").ends(2).says("--triangles");
+    Ran::gonio(dir.path(), "check nowhere.toml").ends(2).says("nowhere.toml: cannot be read");
+}
+
+#[test]
+fn help_and_version_end_with_0() {
+    let dir = folder();
+    Ran::gonio(dir.path(), "--version").ends(0).says(env!("CARGO_PKG_VERSION"));
+    Ran::gonio(dir.path(), "--help").ends(0).says("Exit codes: 0 all done");
+    Ran::gonio(dir.path(), "help run").ends(0).says("--set");
+}
+
+#[test]
+fn what_breaks_ends_with_1_and_one_line() {
+    let dir = folder();
+    let ran = Ran::gonio(dir.path(), "run p.toml");
+    ran.ends(1).says("gonio: ");
+    assert_eq!((ran.stdout().as_str(), ran.stderr().lines().count()), ("", 1), "{ran}");
+    let ran = Ran::gonio(dir.path(), "run p.toml --json");
+    ran.ends(1).says("\"event\":\"failed\"");
+}
