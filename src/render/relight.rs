@@ -11,7 +11,7 @@ use crate::scene::frame::Frame;
 use crate::scene::reflectance::LobeFrame;
 use crate::scene::view::{Tile, View};
 use crate::scene::{Material, Mesh};
-use crate::trace::{Bvh, Hit, Ray, tile};
+use crate::trace::{Bvh, Hit, Ray, TileRays};
 
 /// A rendered image: linear radiance, not clipped.
 #[derive(Debug, Clone, PartialEq)]
@@ -56,16 +56,13 @@ pub fn relight(
     let scene = Shading { mesh, bvh, materials, lighting, offset: visibility::offset(mesh) };
     // A band of tiles at a time: it is a contiguous part of the image.
     rgb.par_chunks_mut((width * SIDE) as usize).enumerate().for_each(|(band, out)| {
-        let (mut directions, mut hits) = (Vec::new(), Vec::new());
+        let mut rays = TileRays::default();
         let y = band as u32 * SIDE;
         for x in (0..width).step_by(SIDE as usize) {
             let tile = Tile { x, y, width: SIDE.min(width - x), height: SIDE.min(height - y) };
-            view.directions(tile, &mut directions);
-            hits.resize(directions.len(), Hit::MISS);
-            tile::cast(bvh, view.centre(), &directions, &mut hits);
-            let pixels = Tile { y: 0, ..tile }.pixels(width);
-            for ((pixel, hit), direction) in pixels.zip(&hits).zip(&directions) {
-                out[pixel] = scene.radiance(hit, view.centre(), *direction).to_array();
+            let inside = Tile { y: 0, ..tile };
+            for (pixel, direction, hit) in rays.cast(&view, bvh, tile) {
+                out[inside.position(pixel, width)] = scene.radiance(&hit, view.centre(), direction).to_array();
             }
         }
     });

@@ -16,15 +16,15 @@ pub struct Frame {
     pub pose: Pose,
 }
 
-/// The samples of an image as they were stored, three a pixel, rows from the top.
+/// The samples of an image as they were stored: red, green, blue, pixel by pixel, rows from the top.
 #[derive(Debug, Clone)]
 pub enum Samples {
     /// 8 bits.
-    U8(Vec<[u8; 3]>),
+    U8(Vec<u8>),
     /// 16 bits.
-    U16(Vec<[u16; 3]>),
+    U16(Vec<u16>),
     /// Floating point, taken as linear.
-    F32(Vec<[f32; 3]>),
+    F32(Vec<f32>),
 }
 
 /// A decoded photograph. Samples stay as narrow as they were stored (a 150-megapixel JPEG is 450 MB here, not 1.8 GB)
@@ -69,16 +69,18 @@ impl LinearImage {
         if self.mask.as_ref().is_some_and(|m| m[index] == 0) {
             return None;
         }
+        let at = 3 * index;
         let pixel = match &self.samples {
             Samples::U8(s) => {
-                Pixel { rgb: s[index].map(|v| self.table[usize::from(v)]), clipped: s[index].iter().any(|&v| v >= 254) }
+                let rgb = [s[at], s[at + 1], s[at + 2]];
+                Pixel { rgb: rgb.map(|v| self.table[usize::from(v)]), clipped: rgb.iter().any(|&v| v >= 254) }
             }
-            // 254/255 of 65535.
-            Samples::U16(s) => Pixel {
-                rgb: s[index].map(|v| self.table[usize::from(v)]),
-                clipped: s[index].iter().any(|&v| v >= 65_278),
-            },
-            Samples::F32(s) => Pixel { rgb: s[index], clipped: false },
+            Samples::U16(s) => {
+                let rgb = [s[at], s[at + 1], s[at + 2]];
+                // 254/255 of 65535.
+                Pixel { rgb: rgb.map(|v| self.table[usize::from(v)]), clipped: rgb.iter().any(|&v| v >= 65_278) }
+            }
+            Samples::F32(s) => Pixel { rgb: [s[at], s[at + 1], s[at + 2]], clipped: false },
         };
         pixel.rgb.iter().all(|v| v.is_finite()).then_some(pixel)
     }

@@ -28,13 +28,9 @@ pub struct Tile {
 }
 
 impl Tile {
-    /// The image positions (`row * image width + column`) of the tile's pixels, row by row.
-    pub fn pixels(self, image_width: u32) -> impl Iterator<Item = usize> {
-        let row = move |y| {
-            let start = y as usize * image_width as usize + self.x as usize;
-            start..start + self.width as usize
-        };
-        (self.y..self.y + self.height).flat_map(row)
+    /// The image position (`row * image width + column`) of the tile's pixel at (column, row).
+    pub fn position(self, (x, y): (u32, u32), image_width: u32) -> usize {
+        (self.y + y) as usize * image_width as usize + (self.x + x) as usize
     }
 }
 
@@ -68,17 +64,15 @@ impl View {
         })
     }
 
-    /// Unit directions, in the world, through the centres of a tile's pixels, row by row; NaN where the lens sees
-    /// nothing. `out` is overwritten.
-    pub fn directions(&self, tile: Tile, out: &mut Vec<Vec3>) {
+    /// Unit directions, in the world, through the centres of a tile's pixels, given as (column, row) in the tile; NaN
+    /// where the lens sees nothing. `out` is overwritten.
+    pub fn directions(&self, tile: Tile, pixels: &[(u32, u32)], out: &mut Vec<Vec3>) {
         out.clear();
-        for y in tile.y..tile.y + tile.height {
-            for x in tile.x..tile.x + tile.width {
-                let pixel = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
-                let ray = self.camera.ray(pixel).unwrap_or(DVec3::NAN);
-                out.push((self.to_world * ray).as_vec3());
-            }
-        }
+        out.extend(pixels.iter().map(|&(x, y)| {
+            let pixel = DVec2::new(f64::from(tile.x + x) + 0.5, f64::from(tile.y + y) + 0.5);
+            let ray = self.camera.ray(pixel).unwrap_or(DVec3::NAN);
+            (self.to_world * ray).as_vec3()
+        }));
     }
 }
 
@@ -99,7 +93,10 @@ mod tests {
         let view = view();
         for side in [1, 7, 32, 100] {
             let mut seen = vec![0; 70 * 40];
-            view.tiles(side).flat_map(|t| t.pixels(70)).for_each(|p| seen[p] += 1);
+            for tile in view.tiles(side) {
+                let all = (0..tile.height).flat_map(|y| (0..tile.width).map(move |x| (x, y)));
+                all.for_each(|p| seen[tile.position(p, 70)] += 1);
+            }
             assert!(seen.iter().all(|&n| n == 1), "side {side}");
         }
     }
@@ -107,7 +104,8 @@ mod tests {
     #[test]
     fn rays_leave_the_centre_of_pixels() {
         let (view, mut out) = (view(), Vec::new());
-        view.directions(Tile { x: 34, y: 19, width: 2, height: 2 }, &mut out);
+        let tile = Tile { x: 34, y: 19, width: 2, height: 2 };
+        view.directions(tile, &[(0, 0), (1, 0), (0, 1), (1, 1)], &mut out);
         assert!((view.centre() - Vec3::Z * 10.0).length() < 1e-5, "{}", view.centre());
         // The principal point is the corner of four pixels: their rays lie around straight down.
         assert!((out.iter().sum::<Vec3>() / 4.0).normalize().distance(Vec3::NEG_Z) < 1e-6);

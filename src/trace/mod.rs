@@ -23,6 +23,8 @@ mod slab;
 mod tests;
 pub mod tile;
 mod triangle;
+pub mod view;
 
 pub use bvh::Bvh;
 pub use ray::{Hit, Ray};
+pub use view::TileRays;
