@@ -36,7 +36,7 @@ impl FromStr for Bytes {
 impl fmt::Display for Bytes {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (suffix, scale) = SUFFIXES.iter().find(|(_, n)| self.0 >= *n).unwrap_or(&("B", 1));
-        if *scale == 1 || self.0 % scale == 0 {
+        if *scale == 1 || self.0.is_multiple_of(*scale) {
             write!(f, "{} {suffix}", self.0 / scale)
         } else {
             write!(f, "{:.1} {suffix}", self.0 as f64 / *scale as f64)

@@ -56,10 +56,10 @@ impl Columns {
             let quotient = sum.radiance.map(|s| (s / count) as i64);
             let difference = [quotient[0] - quotient[1], quotient[1] - self.last_green, quotient[2] - quotient[1]];
             self.last_green = quotient[1];
-            for c in 0..3 {
-                put_signed(&mut self.radiance[c], difference[c]);
+            for ((column, difference), s) in self.radiance.iter_mut().zip(difference).zip(sum.radiance) {
+                put_signed(column, difference);
                 if count > 1 {
-                    put(&mut self.radiance[c], sum.radiance[c] % count);
+                    put(column, s % count);
                 }
             }
         }
