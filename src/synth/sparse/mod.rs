@@ -3,7 +3,7 @@
 //! One sample draws a material uniformly from [0, 1]^7, a light uniformly over the hemisphere above the surface
 //! (cos from 0.05 up), a surface among ground, roofs and walls, and a flight over it (`flight`): orbits, blocks, or both.
 //! Each frame that sees the surface gives a few pixels: radiance of the BRDF under the sun, a constant sky or the sky
-//! alone in shadow, an exposure that wavers from frame to frame, clipping at 1, 8-bit sRGB steps. A tenth of the maps has
+//! alone in shadow, for half of them an exposure that wavers from frame to frame, clipping at 1, 8-bit sRGB steps. A tenth of the maps has
 //! a frame with something else in it, and a tenth is filled densely at random. Maps with fewer than three bins are drawn
 //! again.
 //!
@@ -159,7 +159,7 @@ fn dense(rng: &mut impl Rng, lighting: &Lighting, steps: &[f32]) -> Vec<(Bin, [f
 fn seen(rng: &mut impl Rng, lighting: &Lighting, steps: &[f32]) -> Vec<(Bin, [f32; 3])> {
     let frame = LobeFrame::new(flight::surface(rng));
     let views = flight::views(rng);
-    let wavering = rng.random_range(0.0..0.04f32);
+    let wavering = if rng.random_bool(0.5) { rng.random_range(0.0..0.02f32) } else { 0.0 };
     // A triangle is seen under slightly different directions across its face.
     let spread = rng.random_range(0.001..0.015f32);
     let pixels = rng.random_range(1..=4);
