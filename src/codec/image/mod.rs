@@ -1,0 +1,16 @@
+//! Photographs and masks, through the `image` crate: JPEG, PNG and TIFF of 8 and 16 bits, EXR, HDR.
+//!
+//! - Samples come out as narrow as they were stored, on the pixel grid that they were stored on: an EXIF orientation is
+//!   never applied, since poses were solved without it. Grey becomes RGB; alpha is dropped.
+//! - What a header claims is believed only within the size that the camera says: the decoder may allocate no more.
+
+mod jpeg;
+mod read;
+#[cfg(test)]
+mod tests;
+mod transfer;
+mod write;
+
+pub use read::{mask_path, read_image, read_mask};
+pub use transfer::{Curve, Transfer, to_srgb8};
+pub use write::{write_jpeg, write_png};

@@ -1,0 +1,49 @@
+//! From stored samples to linear radiance, and back for pictures.
+
+use std::sync::Arc;
+
+/// How stored values in [0, 1] become linear radiance. Floating-point files are linear and are never changed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Transfer {
+    /// The inverse of IEC 61966-2-1's.
+    Srgb,
+    /// Stored values are linear.
+    Linear,
+    /// Stored values to this power.
+    Gamma(f32),
+}
+
+impl Transfer {
+    fn linear(self, stored: f64) -> f64 {
+        match self {
+            Transfer::Srgb if stored <= 0.040_45 => stored / 12.92,
+            Transfer::Srgb => ((stored + 0.055) / 1.055).powf(2.4),
+            Transfer::Linear => stored,
+            Transfer::Gamma(gamma) => stored.powf(f64::from(gamma)),
+        }
+    }
+}
+
+/// A transfer as tables over all stored values, made once for a run.
+#[derive(Debug, Clone)]
+pub struct Curve {
+    /// 256 entries.
+    pub eight: Arc<[f32]>,
+    /// 65,536 entries.
+    pub sixteen: Arc<[f32]>,
+}
+
+impl Curve {
+    /// The tables of a transfer.
+    pub fn new(transfer: Transfer) -> Curve {
+        let table = |last: u32| (0..=last).map(|v| transfer.linear(f64::from(v) / f64::from(last)) as f32).collect();
+        Curve { eight: table(255), sixteen: table(65_535) }
+    }
+}
+
+/// Linear radiance as an 8-bit sRGB sample (IEC 61966-2-1); clipped to [0, 1], not a number is 0.
+pub fn to_srgb8(linear: f32) -> u8 {
+    let v = linear.clamp(0.0, 1.0);
+    let stored = if v <= 0.003_130_8 { 12.92 * v } else { 1.055 * v.powf(1.0 / 2.4) - 0.055 };
+    (stored * 255.0 + 0.5) as u8
+}
