@@ -1,0 +1,116 @@
+//! Elements as text: values parted by white space, wherever the lines end.
+
+use std::io::BufRead;
+use std::path::Path;
+
+use glam::DVec3;
+
+use super::Polygons;
+use super::faces::Faces;
+use super::header::{Element, Header, Kind};
+use crate::base::{Error, Result};
+
+/// The longest value, bytes: longer ones are no numbers, and must not be gathered.
+const LONGEST: usize = 512;
+
+/// Reads all elements.
+pub(super) fn read(header: &Header, reader: impl BufRead, path: &Path) -> Result<Polygons> {
+    let mut words = Words { reader, word: Vec::new(), path };
+    // The header was held against the file's length: neither is longer than the file.
+    let mut vertices = Vec::with_capacity(header.vertex().count as usize);
+    let mut faces = Faces::new(header.vertex().count, header.face().count as usize);
+    let mut corners = Vec::new();
+    for element in &header.elements {
+        let (xyz, indices) = match element.name.as_str() {
+            "vertex" => (element.xyz(), None),
+            "face" => (None, element.indices()),
+            _ => (None, None),
+        };
+        // A row without properties is no text at all, however many of them are claimed.
+        let rows = if element.properties.is_empty() { 0 } else { element.count };
+        for row in 0..rows {
+            let mut vertex = DVec3::NAN;
+            for (at, property) in element.properties.iter().enumerate() {
+                let axis = xyz.and_then(|xyz| xyz.iter().position(|&p| p == at));
+                match (property.kind, axis) {
+                    (Kind::Scalar(_), Some(axis)) => vertex[axis] = words.real(element, row)?,
+                    (Kind::Scalar(_), None) => words.next(element, row)?,
+                    (Kind::List { .. }, _) => {
+                        let items = words.integer(element, row)?;
+                        corners.clear();
+                        for _ in 0..items {
+                            if indices == Some(at) {
+                                corners.push(words.integer(element, row)?);
+                            } else {
+                                words.next(element, row)?;
+                            }
+                        }
+                        if indices == Some(at) {
+                            faces.push(row, &corners).map_err(|found| Error::malformed(path, found))?;
+                        }
+                    }
+                }
+            }
+            if xyz.is_some() {
+                vertices.push(vertex);
+            }
+        }
+    }
+    Ok(Polygons { vertices, faces })
+}
+
+/// The file's values.
+struct Words<'a, R> {
+    reader: R,
+    word: Vec<u8>,
+    path: &'a Path,
+}
+
+impl<R: BufRead> Words<'_, R> {
+    /// Moves to the next value, which belongs to a row of an element.
+    fn next(&mut self, element: &Element, row: u64) -> Result<()> {
+        self.word.clear();
+        loop {
+            let buffer = self.reader.fill_buf().map_err(Error::io("read", self.path))?;
+            if buffer.is_empty() {
+                break;
+            }
+            let start = if self.word.is_empty() { skip_spaces(buffer) } else { 0 };
+            let rest = &buffer[start..];
+            let length = rest.iter().position(u8::is_ascii_whitespace).unwrap_or(rest.len());
+            self.word.extend_from_slice(&rest[..length.min(LONGEST)]);
+            let (ended, used) = (length < rest.len(), start + length);
+            self.reader.consume(used);
+            if ended || self.word.len() >= LONGEST {
+                break;
+            }
+        }
+        if self.word.is_empty() {
+            let found = format!("the file ends in {} {row} of {}: it is truncated", element.name, element.count);
+            return Err(Error::malformed(self.path, found));
+        }
+        Ok(())
+    }
+
+    fn real(&mut self, element: &Element, row: u64) -> Result<f64> {
+        self.next(element, row)?;
+        self.parsed(element, row, "a number")
+    }
+
+    fn integer(&mut self, element: &Element, row: u64) -> Result<i128> {
+        self.next(element, row)?;
+        self.parsed(element, row, "a whole number")
+    }
+
+    fn parsed<T: std::str::FromStr>(&self, element: &Element, row: u64, what: &str) -> Result<T> {
+        let parsed = std::str::from_utf8(&self.word).ok().and_then(|word| word.parse().ok());
+        parsed.ok_or_else(|| {
+            let word = String::from_utf8_lossy(&self.word[..self.word.len().min(40)]);
+            Error::malformed(self.path, format!("{} {row}: {word:?} is not {what}", element.name))
+        })
+    }
+}
+
+fn skip_spaces(buffer: &[u8]) -> usize {
+    buffer.iter().position(|b| !b.is_ascii_whitespace()).unwrap_or(buffer.len())
+}

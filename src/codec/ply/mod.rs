@@ -1,0 +1,78 @@
+//! PLY, the Stanford polygon format (Turk 1994), read and written.
+//!
+//! Layout: a text header (`ply`, `format ascii|binary_little_endian|binary_big_endian 1.0`, then elements with their
+//! counts and properties, `end_header`), then the elements in the header's order, without padding. A list property is
+//! its length followed by that many items.
+//!
+//! Read: element `vertex` with scalars `x`, `y`, `z` of any type, element `face` with a list `vertex_indices` or
+//! `vertex_index` of any integer types. The two may come in any order; other elements and properties are skipped.
+//!
+//! Faces of n corners become fans of n - 2 triangles around their first corner. A triangle's id is its position AFTER
+//! that, in file order: in a mesh of triangles alone it is the face's position in the file, counted from 0.
+
+mod ascii;
+mod binary;
+mod faces;
+mod header;
+mod scalar;
+mod write;
+
+use std::fs::File;
+use std::io::BufReader;
+use std::path::Path;
+
+use glam::DVec3;
+
+use crate::base::{Error, Result};
+use crate::scene::Mesh;
+use faces::Faces;
+use header::{Format, Header};
+
+pub use write::{FaceColumn, Values, write_mesh};
+
+/// What the header of a PLY file says of its size. It is the header's word: nothing has been held against it but the
+/// file's length.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Size {
+    /// Vertices.
+    pub vertices: u64,
+    /// Faces; triangles if none has more than three corners.
+    pub faces: u64,
+}
+
+/// What was read out of the elements, in f64 and not yet checked as a mesh.
+struct Polygons {
+    vertices: Vec<DVec3>,
+    faces: Faces,
+}
+
+/// The number of vertices and faces, from the header alone.
+///
+/// # Errors
+/// If the file cannot be read, is no PLY, lacks vertices or faces, or is too short for what the header claims.
+pub fn read_header(path: &Path) -> Result<Size> {
+    let (header, _) = open(path)?;
+    Ok(Size { vertices: header.vertex().count, faces: header.face().count })
+}
+
+/// Reads a mesh. Vertices are read in f64 whatever their type; the mesh keeps f32 about an f64 origin.
+///
+/// # Errors
+/// If the file cannot be read or is truncated; if there are no faces, a face has fewer than three corners or refers to
+/// a vertex that is not there, a coordinate is not finite: with the element's position, counted from 0.
+pub fn read_mesh(path: &Path) -> Result<Mesh> {
+    let (header, reader) = open(path)?;
+    let polygons = match header.format {
+        Format::Ascii => ascii::read(&header, reader, path),
+        Format::Binary(endian) => binary::read(&header, endian, reader, path),
+    }?;
+    Mesh::new(&polygons.vertices, polygons.faces.triangles).map_err(|e| Error::malformed(path, e.to_string()))
+}
+
+fn open(path: &Path) -> Result<(Header, BufReader<File>)> {
+    let file = File::open(path).map_err(Error::io("open", path))?;
+    let length = file.metadata().map_err(Error::io("read", path))?.len();
+    let mut reader = BufReader::with_capacity(1 << 18, file);
+    let header = Header::read(&mut reader, length, path)?;
+    Ok((header, reader))
+}
