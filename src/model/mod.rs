@@ -25,6 +25,8 @@ use std::fmt;
 use std::path::Path;
 use std::str::FromStr;
 
+use serde::Serialize;
+
 pub use contract::{Contract, Kind};
 pub use source::{BUILT_IN, BuiltIn, ModelSource};
 
@@ -71,7 +73,8 @@ pub trait Session: Send {
 }
 
 /// Which engine runs the model.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Backend {
     /// A configured ONNX Runtime library (which must then work), else one that lies where libraries lie, else the
     /// built-in engine.

@@ -1,8 +1,15 @@
 //! Decode: an image file becomes linear radiance on the pixel grid that its pose was solved on.
 
+use std::path::Path;
+
 use serde::Serialize;
 
 use super::{Choice, Fault};
+use crate::base::Result;
+use crate::base::ids::FrameId;
+use crate::codec::image::{self, Curve};
+use crate::flow::{Map, Outlet, Skipped};
+use crate::scene::frame::{Frame, LinearImage};
 
 /// Section `[decode]`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -13,6 +20,9 @@ pub struct Config {
     pub gamma: Option<f64>,
     /// What is done about exposures that differ between frames.
     pub exposure: Exposure,
+    /// By how much images are smaller, each way, than their cameras say: 1 to 64. Pixels that do not fill a whole one of
+    /// the smaller are cut off, so 1617 by 1208 pixels become 808 by 604.
+    pub downscale: u32,
 }
 
 /// How stored values in [0, 1] become linear radiance. Floating-point files are linear and are never changed.
@@ -46,13 +56,28 @@ impl Choice for Exposure {
 
 impl Default for Config {
     fn default() -> Self {
-        Config { transfer: Transfer::Srgb, gamma: None, exposure: Exposure::AsIs }
+        Config { transfer: Transfer::Srgb, gamma: None, exposure: Exposure::AsIs, downscale: 1 }
     }
 }
 
 impl Config {
     /// What is wrong with it.
     pub fn check(&self) -> Vec<Fault> {
+        let mut faults = self.check_gamma();
+        faults.extend(Fault::unless_within("downscale", self.downscale, 1..=64));
+        faults
+    }
+
+    /// The tables of the transfer.
+    pub fn curve(&self) -> Curve {
+        Curve::new(match (self.transfer, self.gamma) {
+            (Transfer::Srgb, _) => image::Transfer::Srgb,
+            (Transfer::Gamma, Some(gamma)) => image::Transfer::Gamma(gamma as f32),
+            (Transfer::Linear | Transfer::Gamma, _) => image::Transfer::Linear,
+        })
+    }
+
+    fn check_gamma(&self) -> Vec<Fault> {
         match (self.transfer, self.gamma) {
             (Transfer::Gamma, None) => {
                 vec![Fault::new("gamma", "is needed where transfer = \"gamma\"", "nothing").hint("add `gamma = 2.2`")]
@@ -67,6 +92,68 @@ impl Config {
     }
 }
 
+/// A frame whose image has been read, or why it is skipped.
+pub struct Decoded {
+    /// Which frame.
+    pub frame: FrameId,
+    /// Its pixels.
+    pub image: Result<LinearImage, Skipped>,
+}
+
+/// Reads images.
+pub struct Decode<'a> {
+    /// All frames, sorted by name.
+    pub frames: &'a [Frame],
+    /// The folder that their names are relative to.
+    pub images: &'a Path,
+    /// The folder of masks, if there is one.
+    pub masks: Option<&'a Path>,
+    /// By how much images are smaller than their cameras say.
+    pub downscale: u32,
+    /// How stored samples become radiance.
+    pub curve: Curve,
+    /// The command that shows what one frame sees, but for the frame's name.
+    pub replay: &'a str,
+}
+
+impl Decode<'_> {
+    /// Reads one frame's image and its mask.
+    pub fn read(&self, frame: &Frame) -> Result<LinearImage> {
+        let by = self.downscale.max(1);
+        let size = (frame.camera.width / by, frame.camera.height / by);
+        let mut image = image::read_image(&self.images.join(&frame.name), size, &self.curve)?;
+        if let Some(masks) = self.masks {
+            image.mask = image::read_mask(masks, &frame.name, size)?;
+        }
+        Ok(image)
+    }
+}
+
+/// A frame to be skipped: why, and the command that tries it alone.
+pub fn skipped(frame: &Frame, why: impl ToString, replay: &str) -> Skipped {
+    Skipped { item: frame.name.clone(), why: why.to_string(), replay: format!("{replay} --frame {}", frame.name) }
+}
+
+impl Map for Decode<'_> {
+    type In = FrameId;
+    type Out = Decoded;
+    type Scratch = ();
+
+    fn scratch(&self) -> Result<()> {
+        Ok(())
+    }
+
+    fn apply(&self, _: &mut (), frame: FrameId, out: &mut Outlet<'_, Decoded>) -> Result<()> {
+        let posed = &self.frames[frame as usize];
+        let image = self.read(posed).map_err(|why| skipped(posed, why, self.replay));
+        match &image {
+            Ok(image) => out.count_bytes(image.bytes()),
+            Err(skipped) => out.skip(skipped.clone()),
+        }
+        out.send(Decoded { frame, image })
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -74,6 +161,7 @@ mod tests {
     #[test]
     fn gamma_belongs_to_its_transfer() {
         let faults = |transfer, gamma| Config { transfer, gamma, ..Config::default() }.check().len();
+        assert_eq!(Config { downscale: 0, ..Config::default() }.check().len(), 1);
         assert_eq!(faults(Transfer::Srgb, None), 0);
         assert_eq!(faults(Transfer::Gamma, Some(2.2)), 0);
         for (transfer, gamma) in [

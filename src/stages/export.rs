@@ -1,8 +1,20 @@
 //! Export: materials become files that viewers and renderers load.
 
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use glam::DVec3;
 use serde::Serialize;
 
+use super::merge::Materials;
 use super::{Choice, Fault};
+use crate::base::{Error, Result};
+use crate::codec::glb;
+use crate::codec::image::to_srgb8;
+use crate::codec::ply::{self, FaceColumn, Values};
+use crate::disk::write_atomic;
+use crate::scene::evidence::Evidence;
+use crate::scene::{Material, Mesh};
 
 /// Section `[export]`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -49,6 +61,38 @@ impl Config {
         }
         faults
     }
+}
+
+/// Writes the configured formats as `scene.*` into a folder, and gives their paths.
+pub fn write(config: &Config, mesh: &Mesh, materials: &Materials, folder: &Path) -> Result<Vec<PathBuf>> {
+    fs::create_dir_all(folder).map_err(Error::io("create folder", folder))?;
+    let one = |format: &Format| {
+        let path = folder.join("scene").with_extension(format.name());
+        match format {
+            Format::Ply => write_ply(&path, mesh, materials)?,
+            Format::Glb => glb::write(&path, mesh, &materials.rows, DVec3::from(config.up))?,
+        }
+        Ok(path)
+    };
+    config.formats.iter().map(one).collect()
+}
+
+/// The mesh with a material, its evidence and the diffuse colour on every face. Triangles without a material are grey.
+fn write_ply(path: &Path, mesh: &Mesh, materials: &Materials) -> Result<()> {
+    let (rows, evidence) = (&materials.rows, &materials.evidence);
+    let face = |name, values| FaceColumn { name, values };
+    let mut columns: Vec<FaceColumn<'_>> = Vec::new();
+    for (c, name) in Material::NAMES.into_iter().enumerate() {
+        columns.push(face(name, Values::F32(Box::new(move |t| rows[t as usize][c]))));
+    }
+    for (c, name) in Evidence::NAMES.into_iter().enumerate() {
+        columns.push(face(name, Values::F32(Box::new(move |t| evidence[t as usize].to_array()[c]))));
+    }
+    for (c, name) in ["red", "green", "blue"].into_iter().enumerate() {
+        let shade = move |kd: f32| if kd.is_nan() { 128 } else { to_srgb8(kd) };
+        columns.push(face(name, Values::U8(Box::new(move |t| shade(rows[t as usize][c])))));
+    }
+    write_atomic(path, |mut out| ply::write_mesh(&mut out, mesh, &columns).map_err(Error::io("write", path)))
 }
 
 #[cfg(test)]

@@ -1,8 +1,17 @@
 //! Gather: the observations of a group of frames become one segment on disk.
 
-use serde::Serialize;
+use std::sync::Arc;
 
+use serde::{Deserialize, Serialize};
+
+use super::cast::Seen;
 use super::{Choice, Fault};
+use crate::base::ids::FrameId;
+use crate::base::key::Key;
+use crate::base::{Error, Result};
+use crate::disk::{FileEntry, Manifest, Store};
+use crate::flow::{Budget, End, Fold, Meter, Outlet, Reservation, Skipped, Source};
+use crate::shard::GroupRows;
 
 /// Section `[gather]`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -38,6 +47,178 @@ impl Config {
     }
 }
 
+/// Frames whose observations become one unit of work: its segments and its record.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Group {
+    /// Content key of all that the unit is made of.
+    pub key: Key,
+    /// The frames, ascending.
+    pub frames: Vec<FrameId>,
+}
+
+impl Group {
+    /// The unit's name in the manifest.
+    pub fn unit(&self) -> String {
+        format!("map-{}", self.key)
+    }
+
+    fn file(&self, ending: &str) -> String {
+        format!("{SEGMENTS}{}{ending}", self.key)
+    }
+}
+
+/// The folder of segments in a run's store.
+pub const SEGMENTS: &str = "segments/";
+
+/// What a unit says of itself beside its segments, as JSON.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Record {
+    /// Frames in the group.
+    pub frames: u64,
+    /// Rays cast.
+    pub rays: u64,
+    /// Front-facing pixels that saw a triangle.
+    pub observations: u64,
+    /// Records in its segments.
+    pub records: u64,
+    /// Frames that were skipped.
+    pub skipped: Vec<SkippedFrame>,
+}
+
+/// A frame that was skipped.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SkippedFrame {
+    /// Its name.
+    pub frame: String,
+    /// What was wrong with it.
+    pub why: String,
+    /// The command that tries it alone.
+    pub replay: String,
+}
+
+impl From<Skipped> for SkippedFrame {
+    fn from(s: Skipped) -> Self {
+        SkippedFrame { frame: s.item, why: s.why, replay: s.replay }
+    }
+}
+
+/// The endings of a unit's files.
+pub const SEGMENT: &str = ".seg";
+const RECORD: &str = ".json";
+
+/// Reads the record among a unit's files.
+pub fn read_record(store: &dyn Store, files: &[FileEntry]) -> Result<Record> {
+    let named = files.iter().find(|f| f.name.ends_with(RECORD));
+    let file = named.ok_or_else(|| Error::invalid("a unit of the manifest has no record"))?;
+    let content = file.verify(store)?;
+    serde_json::from_slice(&content).map_err(|why| Error::malformed(store.path(&file.name), why.to_string()))
+}
+
+/// Produces the frames of groups, group after group.
+pub struct Frames<'a> {
+    /// The groups that are still to be done.
+    pub groups: &'a [Group],
+}
+
+impl Source for Frames<'_> {
+    type Out = FrameId;
+
+    fn total(&self) -> Option<u64> {
+        Some(self.groups.iter().map(|g| g.frames.len() as u64).sum())
+    }
+
+    fn run(self, out: &mut Outlet<'_, FrameId>) -> Result<()> {
+        self.groups.iter().flat_map(|g| &g.frames).try_for_each(|&frame| out.send(frame))
+    }
+}
+
+/// Sums the rows of a group's frames and commits them as the group's unit. When memory is short it writes what it has as
+/// a segment and goes on: a unit may have many.
+pub struct Gather<'a> {
+    groups: &'a [Group],
+    store: Arc<dyn Store>,
+    manifest: &'a mut Manifest,
+    reservation: Reservation,
+    /// Which group is being gathered, and how many of its frames have come.
+    at: usize,
+    taken: usize,
+    rows: GroupRows,
+    files: Vec<FileEntry>,
+    record: Record,
+}
+
+impl<'a> Gather<'a> {
+    /// Gathers these groups, whose frames come in this order.
+    pub fn new(
+        groups: &'a [Group],
+        store: Arc<dyn Store>,
+        manifest: &'a mut Manifest,
+        budget: &Budget,
+    ) -> Result<Self> {
+        let reservation = budget.reserve("gather", 0)?;
+        let (rows, files, record) = Default::default();
+        Ok(Gather { groups, store, manifest, reservation, at: 0, taken: 0, rows, files, record })
+    }
+
+    /// Writes what was gathered as a further segment of the group.
+    fn spill(&mut self, meter: &Meter) -> Result<()> {
+        let name = self.groups[self.at].file(&format!("-{}{SEGMENT}", self.files.len()));
+        let draft = self.store.create(&name)?;
+        let path = draft.path().to_owned();
+        let (draft, records) = self.rows.write(draft).map_err(Error::io("write", path))?;
+        let file = draft.commit()?;
+        meter.count_bytes(file.bytes);
+        self.record.records += records;
+        self.files.push(file);
+        self.reservation.shrink(self.reservation.bytes());
+        Ok(())
+    }
+
+    /// Ends the group: segment, record, and last the manifest.
+    fn commit(&mut self, meter: &Meter) -> Result<()> {
+        self.spill(meter)?;
+        let group = &self.groups[self.at];
+        self.record.frames = group.frames.len() as u64;
+        let mut draft = self.store.create(&group.file(RECORD))?;
+        let path = draft.path().to_owned();
+        let record = std::mem::take(&mut self.record);
+        serde_json::to_writer(&mut draft, &record).map_err(|e| Error::io("write", path)(e.into()))?;
+        self.files.push(draft.commit()?);
+        self.manifest.commit([(group.unit(), std::mem::take(&mut self.files))])?;
+        (self.at, self.taken) = (self.at + 1, 0);
+        Ok(())
+    }
+}
+
+impl Fold for Gather<'_> {
+    type In = Seen;
+    type Out = ();
+
+    fn take(&mut self, seen: Seen, meter: &Meter) -> Result<()> {
+        self.record.rays += seen.rays;
+        self.record.observations += seen.observations;
+        match seen.rows {
+            Ok(rows) => {
+                if self.reservation.grow(rows.bytes()).is_err() {
+                    self.spill(meter)?;
+                    self.reservation.grow(rows.bytes())?;
+                }
+                self.rows.add(rows);
+            }
+            Err(skipped) => self.record.skipped.push(skipped.into()),
+        }
+        self.taken += 1;
+        if self.taken == self.groups[self.at].frames.len() { self.commit(meter) } else { Ok(()) }
+    }
+
+    fn finish(self, _: End, _: &Meter) -> Result<()> {
+        // A group that a drain cut short is done again: its spilled segments are in no manifest.
+        Ok(())
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -47,5 +228,74 @@ mod tests {
         for (group, faults) in [(0, 1), (1, 0), (1024, 0), (1025, 1)] {
             assert_eq!(Config { group, ..Config::default() }.check().len(), faults, "{group}");
         }
+    }
+
+    use crate::base::units::Bytes;
+    use crate::disk::MemStore;
+    use crate::flow::StopSignal;
+    use crate::scene::reflectance::BinSum;
+    use crate::shard::{Accumulator, Segment, ShardMaps, merge_shard};
+    use std::path::Path;
+
+    fn seen(frame: FrameId, triangles: std::ops::Range<u32>) -> Seen {
+        let mut rows = Accumulator::default();
+        triangles.for_each(|t| rows.observe(t, (t + frame) as u16 % 50, BinSum::one([0.25; 3], false)));
+        Seen { frame, rows: Ok(rows.finish()), rays: 1000, observations: 300 }
+    }
+
+    fn group(frames: &[FrameId]) -> Group {
+        Group { key: Key([frames[0] as u8; 32]), frames: frames.to_vec() }
+    }
+
+    /// Gathers two groups and gives the store, the manifest and the records.
+    fn gather(memory: u64, last: Option<Seen>) -> Result<(Arc<dyn Store>, Manifest)> {
+        let store: Arc<dyn Store> = Arc::new(MemStore::new());
+        let (mut manifest, _) = Manifest::open(Arc::clone(&store), &[SEGMENTS])?;
+        let groups = [group(&[0, 1]), group(&[2, 3])];
+        let budget = Budget::new(Bytes(memory), &StopSignal::new());
+        let meter = Meter::new("gather", 1, 1, None);
+        let mut fold = Gather::new(&groups, Arc::clone(&store), &mut manifest, &budget)?;
+        for id in 0..3 {
+            fold.take(seen(id, 0..300), &meter)?;
+        }
+        last.map_or(Ok(()), |last| fold.take(last, &meter))?;
+        fold.finish(End::Complete, &meter)?;
+        assert_eq!(budget.used(), 0);
+        Ok((store, manifest))
+    }
+
+    fn maps(store: &dyn Store, manifest: &Manifest) -> (usize, ShardMaps) {
+        let files = manifest.units().values().flatten().filter(|f| f.name.ends_with(SEGMENT));
+        let segments: Vec<_> =
+            files.map(|f| Segment::open(store.open(&f.name).unwrap(), Path::new(&f.name)).unwrap()).collect();
+        (segments.len(), merge_shard(&segments, 0).unwrap())
+    }
+
+    #[test]
+    fn short_of_memory_it_writes_more_segments_and_the_same_sums() {
+        let (store, manifest) = gather(1 << 30, Some(seen(3, 0..300))).unwrap();
+        let (segments, expected) = maps(&*store, &manifest);
+        assert_eq!(segments, 2);
+        assert_eq!(expected.triangles[7].1, 4, "four frames saw triangle 7");
+        let frame = seen(0, 0..300).rows.unwrap().bytes();
+        let (store, manifest) = gather(frame + 1, Some(seen(3, 0..300))).unwrap();
+        assert_eq!(maps(&*store, &manifest), (4, expected));
+        assert!(gather(frame - 1, None).is_err(), "less than one frame cannot work");
+    }
+
+    #[test]
+    fn a_skipped_frame_is_in_the_record_of_its_group() {
+        let why = Skipped { item: "d.jpg".into(), why: "torn".into(), replay: "gonio".into() };
+        let last = Seen { frame: 3, rows: Err(why.clone()), rays: 0, observations: 0 };
+        let (store, manifest) = gather(1 << 30, Some(last)).unwrap();
+        let record = read_record(&*store, manifest.files(&group(&[2, 3]).unit()).unwrap()).unwrap();
+        assert_eq!((record.frames, record.rays, record.records), (2, 1000, 300));
+        assert_eq!(record.skipped, [SkippedFrame::from(why)]);
+    }
+
+    #[test]
+    fn a_group_cut_short_is_not_committed() {
+        let (_, manifest) = gather(1 << 30, None).unwrap();
+        assert_eq!(manifest.units().keys().collect::<Vec<_>>(), [&group(&[0, 1]).unit()]);
     }
 }

@@ -1,10 +1,18 @@
 //! Infer: reflectance maps become materials.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
 use super::{Choice, Fault};
+use crate::base::Result;
+use crate::base::ids::TriangleId;
+use crate::flow::{Map, Outlet, Source};
+use crate::model::{BUILT_IN, Backend, Estimator, ModelSource, Session};
+use crate::scene::Material;
+use crate::scene::evidence::{Evidence, Filled};
+use crate::scene::reflectance::{BINS, SparseMap};
+use crate::shard::{Segment, ShardMaps, merge_shard};
 
 /// Section `[infer]`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -29,29 +37,28 @@ pub enum Model {
     File(PathBuf),
 }
 
-/// The networks that gonio brings along.
-pub const BUILT_IN: [&str; 1] = ["gonio-lobe-small"];
-
-/// What runs the network.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Backend {
-    /// ONNX Runtime where a library is found, else the embedded one.
-    Auto,
-    /// The one inside gonio, which needs nothing installed.
-    Embedded,
-    /// An ONNX Runtime library; it is an error if there is none.
-    OnnxRuntime,
+impl Choice for Backend {
+    const NAMES: &'static [(&'static str, Self)] = &Backend::NAMES;
 }
 
-impl Choice for Backend {
-    const NAMES: &'static [(&'static str, Self)] =
-        &[("auto", Backend::Auto), ("embedded", Backend::Embedded), ("onnxruntime", Backend::OnnxRuntime)];
+impl Model {
+    /// The network that is shipped inside gonio and used unless another is named.
+    pub fn built_in() -> Model {
+        Model::BuiltIn(BUILT_IN[0].name.to_owned())
+    }
+
+    /// Where its bytes come from.
+    pub fn source(&self) -> ModelSource {
+        match self {
+            Model::BuiltIn(name) => ModelSource::named(name, Path::new("")),
+            Model::File(path) => ModelSource::File(path.clone()),
+        }
+    }
 }
 
 impl Default for Config {
     fn default() -> Self {
-        Config { model: Model::BuiltIn(BUILT_IN[0].to_owned()), backend: Backend::Auto, library: None, batch: 256 }
+        Config { model: Model::built_in(), backend: Backend::Auto, library: None, batch: 256 }
     }
 }
 
@@ -60,9 +67,10 @@ impl Config {
     pub fn check(&self) -> Vec<Fault> {
         let mut faults: Vec<Fault> = Fault::unless_within("batch", self.batch, 1..=4096).into_iter().collect();
         if let Model::BuiltIn(name) = &self.model
-            && !BUILT_IN.contains(&name.as_str())
+            && !BUILT_IN.iter().any(|m| m.name == name)
         {
-            let rule = format!("must be a file that ends in .onnx, or one of {}", BUILT_IN.join(", "));
+            let names: Vec<&str> = BUILT_IN.iter().map(|m| m.name).collect();
+            let rule = format!("must be a file that ends in .onnx, or one of {}", names.join(", "));
             faults.push(Fault::new("model", rule, format!("{name:?}")));
         }
         if self.backend == Backend::Embedded
@@ -73,6 +81,93 @@ impl Config {
             faults.push(Fault::new("library", rule, library.display()).hint(hint));
         }
         faults
+    }
+}
+
+/// Merges segments, shard after shard.
+pub struct Shards<'a, B> {
+    /// The segments of all units.
+    pub segments: &'a [Segment<B>],
+    /// How many shards the mesh has.
+    pub count: u32,
+}
+
+impl<B: AsRef<[u8]> + Send + Sync> Source for Shards<'_, B> {
+    type Out = ShardMaps;
+
+    fn total(&self) -> Option<u64> {
+        Some(u64::from(self.count))
+    }
+
+    fn run(self, out: &mut Outlet<'_, ShardMaps>) -> Result<()> {
+        for shard in 0..self.count {
+            let entries = self.segments.iter().filter_map(|s| s.entry(shard));
+            out.count_bytes(entries.map(|e| e.length).sum());
+            out.send(merge_shard(self.segments, shard)?)?;
+        }
+        Ok(())
+    }
+}
+
+/// The answers for one shard: `(triangle, its material, the evidence behind it)`, ascending by triangle. The material is
+/// NaN where there is too little evidence.
+pub struct ShardMaterials(pub Vec<(TriangleId, [f32; Material::LEN], Evidence)>);
+
+/// Turns the maps of a shard into materials.
+pub struct Infer<'a> {
+    /// The network.
+    pub estimator: &'a dyn Estimator,
+    /// Filled bins that a triangle needs for a material of its own.
+    pub min_bins: usize,
+    /// Maps in a batch: bounds memory, and has no influence on the result.
+    pub batch: usize,
+}
+
+/// What a worker keeps from shard to shard.
+pub struct Scratch {
+    session: Box<dyn Session>,
+    maps: Vec<f32>,
+    answers: Vec<Material>,
+}
+
+impl Infer<'_> {
+    fn batch(&self, scratch: &mut Scratch, maps: &[&SparseMap]) -> Result<()> {
+        let size = self.estimator.contract().channels * BINS;
+        scratch.maps.clear();
+        scratch.maps.resize(maps.len() * size, 0.0);
+        for (map, dense) in maps.iter().zip(scratch.maps.chunks_exact_mut(size)) {
+            map.write_dense(size / BINS, dense);
+        }
+        scratch.answers.resize(maps.len(), Material::default());
+        scratch.session.estimate(&scratch.maps, None, &mut scratch.answers)
+    }
+}
+
+impl Map for Infer<'_> {
+    type In = ShardMaps;
+    type Out = ShardMaterials;
+    type Scratch = Scratch;
+
+    fn scratch(&self) -> Result<Scratch> {
+        Ok(Scratch { session: self.estimator.session()?, maps: Vec::new(), answers: Vec::new() })
+    }
+
+    fn apply(&self, scratch: &mut Scratch, shard: ShardMaps, out: &mut Outlet<'_, ShardMaterials>) -> Result<()> {
+        let enough = |map: &SparseMap| map.bins.len() >= self.min_bins.max(1);
+        let mut answers = Vec::with_capacity(shard.triangles.len());
+        for (triangle, frames, map) in &shard.triangles {
+            let filled = if enough(map) { Filled::Observed } else { Filled::Nothing };
+            answers.push((*triangle, [f32::NAN; Material::LEN], Evidence { filled, ..Evidence::of(map, *frames) }));
+        }
+        let asked: Vec<(usize, &SparseMap)> =
+            shard.triangles.iter().map(|t| &t.2).enumerate().filter(|(_, map)| enough(map)).collect();
+        for batch in asked.chunks(self.batch.max(1)) {
+            self.batch(scratch, &batch.iter().map(|(_, map)| *map).collect::<Vec<_>>())?;
+            for ((slot, _), material) in batch.iter().zip(&scratch.answers) {
+                answers[*slot].1 = material.to_array();
+            }
+        }
+        out.send(ShardMaterials(answers))
     }
 }
 
