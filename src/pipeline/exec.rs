@@ -1,34 +1,265 @@
-//! Runs a pipeline.
+//! Runs a pipeline: the map side, from frames to segments, then the reduce side, from segments to materials, then the
+//! exports. What the manifest already has is not done again.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
 
-use super::{Pipeline, Progress, Report};
-use crate::base::ids::TriangleId;
+use super::report::{Frames as FrameCounts, Item, Phase, Stage, Triangles};
+use super::scene::Loaded;
+use super::{Pipeline, Progress, Report, resume};
 use crate::base::{Error, Result};
-use crate::flow::StopSignal;
+use crate::codec::npy;
+use crate::disk::{Content, DirStore, Lock, Manifest, Store};
+use crate::flow::{Budget, Flow, Meter, StopSignal, pool};
+use crate::model::{self, Estimator, Kind};
+use crate::scene::Material;
+use crate::scene::evidence::{Evidence, Filled};
+use crate::shard::{Segment, format::SHARD};
+use crate::stages::cast::Cast;
+use crate::stages::decode::Decode;
+use crate::stages::export;
+use crate::stages::gather::{Frames, Gather, Group, Record, SEGMENT, SEGMENTS, read_record};
+use crate::stages::infer::{Infer, Shards};
+use crate::stages::merge::{Materials, Merge};
+
+/// The tables of a finished run.
+pub const MATERIALS: &str = "materials.npy";
+/// What stands behind them.
+pub const EVIDENCE: &str = "evidence.npy";
+/// What the run did.
+const REPORT: &str = "report.json";
+/// The folder of exports.
+const EXPORT: &str = "export";
+
+/// A run under way: what its phases share.
+struct Run<'a> {
+    pipeline: &'a Pipeline,
+    stop: &'a StopSignal,
+    progress: &'a Progress,
+    store: Arc<dyn Store>,
+    budget: Budget,
+    threads: usize,
+    report: Report,
+}
 
 /// Runs or resumes the pipeline to its end.
 ///
 /// # Errors
 /// Whatever breaks the run; `Error::Interrupted` if it was asked to stop.
-pub fn run(pipeline: &Pipeline, _stop: &StopSignal, _progress: &Progress) -> Result<Report> {
-    Err(not_wired(pipeline))
+pub fn run(pipeline: &Pipeline, stop: &StopSignal, progress: &Progress) -> Result<Report> {
+    let started = Instant::now();
+    let work = &pipeline.run.work;
+    let _lock = Lock::acquire(work)?;
+    let store: Arc<dyn Store> = Arc::new(DirStore::new(work));
+    let (mut manifest, opening) = Manifest::open(Arc::clone(&store), &[SEGMENTS, MATERIALS, EVIDENCE])?;
+    if let Some((file, why)) = &opening.set_aside {
+        progress.note(format!("the manifest could not be used and is now {file}: {why}"));
+    }
+    for (unit, why) in &opening.lost {
+        progress.note(format!("unit {unit} is done again: {why}"));
+    }
+    progress.expect(&["load", "cast", "infer", "export"].map(|phase| (phase, Duration::ZERO)));
+    let budget = Budget::new(pipeline.run.memory, stop);
+    let threads = pool::threads(pipeline.run.threads, pool::available());
+    let report = Report { gonio: env!("CARGO_PKG_VERSION").into(), ..Report::default() };
+    let mut run = Run { pipeline, stop, progress, store, budget, threads, report };
+
+    // The network is tried before anything costly starts.
+    let estimator = estimator(pipeline)?;
+    run.report.backend = estimator.describe();
+    let (loaded, groups) = run.phase("load", vec![], |run| {
+        let loaded = Loaded::read(run.pipeline)?;
+        let groups = resume::groups(run.pipeline, loaded.mesh_key, &loaded.frames);
+        Ok((loaded, groups))
+    })?;
+    let reduce = format!("reduce-{}", resume::reduce_key(pipeline, &groups, estimator.key()));
+    let wanted = |unit: &str| unit == reduce || groups.iter().any(|g| g.unit() == unit);
+    resume::forget_others(&mut manifest, wanted)?;
+
+    run.map(&loaded, &groups, &mut manifest)?;
+    let materials = run.reduce(&loaded, &groups, &*estimator, &reduce, &mut manifest)?;
+    run.phase("export", vec![], |run| {
+        let folder = run.pipeline.run.work.join(EXPORT);
+        run.report.outputs = export::write(&run.pipeline.export, &loaded.mesh, &materials, &folder)?;
+        Ok(())
+    })?;
+    run.finish(&loaded, &materials, started)
 }
 
-/// Writes the buffers of one frame as a multi-channel EXR.
-///
-/// # Errors
-/// No frame of that name; anything that cannot be read or written.
-pub fn buffers(pipeline: &Pipeline, _frame: &str, _out: &Path) -> Result<()> {
-    Err(not_wired(pipeline))
+/// Loads the network and checks that it eats what scenes give.
+pub fn estimator(pipeline: &Pipeline) -> Result<Box<dyn Estimator>> {
+    let config = &pipeline.infer;
+    let estimator = model::load(&config.model.source(), config.backend, config.library.as_deref())?;
+    estimator.contract().require(Kind::Lobe)?;
+    if estimator.contract().light {
+        return Err(Error::invalid(format!(
+            "{} wants to know the light, and [light] mode is \"unknown\": choose a model without a `light` input",
+            estimator.describe()
+        )));
+    }
+    Ok(estimator)
 }
 
-/// Writes the reflectance maps of these triangles, as `.npz` or as one `.png`, by the name of `out`.
-///
-/// # Errors
-/// A triangle that the mesh does not have; no finished segments; anything that cannot be read or written.
-pub fn maps(pipeline: &Pipeline, _triangles: &[TriangleId], _out: &Path) -> Result<()> {
-    Err(not_wired(pipeline))
+impl Run<'_> {
+    /// Does one phase, shown and timed.
+    fn phase<T>(
+        &mut self,
+        name: &str,
+        meters: Vec<Arc<Meter>>,
+        work: impl FnOnce(&mut Self) -> Result<T>,
+    ) -> Result<T> {
+        if self.stop.draining() {
+            return Err(Error::Interrupted);
+        }
+        let started = Instant::now();
+        self.progress.begin(name, meters.clone());
+        let done = work(self);
+        self.progress.end();
+        self.report.phases.push(Phase { name: name.to_owned(), seconds: started.elapsed().as_secs_f64() });
+        self.report.stages.extend(meters.iter().map(|meter| Stage::of(name, meter)));
+        done
+    }
+
+    /// The map side: casts the frames of the groups that the manifest lacks.
+    fn map(&mut self, loaded: &Loaded, groups: &[Group], manifest: &mut Manifest) -> Result<()> {
+        let to_do = resume::to_do(manifest, groups);
+        let frames: u64 = to_do.iter().map(|g| g.frames.len() as u64).sum();
+        let total = loaded.frames.len() as u64;
+        self.report.frames = FrameCounts { total, cast: frames, resumed: total - frames, skipped: 0 };
+        if to_do.is_empty() {
+            return self.count(groups, &to_do, manifest);
+        }
+        let scene = self.budget.reserve("mesh", loaded.bytes())?;
+        let bvh = self.phase("build", vec![], |_| Ok(loaded.bvh()))?;
+        let nodes = self.budget.reserve("hierarchy", bvh.bytes())?;
+        let pipeline = self.pipeline;
+        let replay = format!("gonio buffers {} --out frame.exr", pipeline.file.display());
+        let decode = Decode {
+            frames: &loaded.frames,
+            images: &pipeline.scene.images,
+            masks: pipeline.scene.masks.as_deref(),
+            downscale: pipeline.decode.downscale,
+            curve: pipeline.decode.curve(),
+            replay: &replay,
+        };
+        let tile = pipeline.cast.tile;
+        let downscale = pipeline.decode.downscale;
+        let cast = Cast { frames: &loaded.frames, mesh: &loaded.mesh, bvh: &bvh, tile, downscale };
+        let gather = Gather::new(&to_do, Arc::clone(&self.store), manifest, &self.budget)?;
+        let flow = Flow::source(self.stop, "frames", Frames { groups: &to_do })
+            .map("decode", decode, self.threads, 1)
+            .map("cast", cast, self.threads, 1)
+            .fold("gather", gather, 1);
+        self.phase("cast", flow.meters(), |_| flow.run())?;
+        drop((scene, nodes));
+        self.count(groups, &to_do, manifest)
+    }
+
+    /// Adds up what the groups' records say.
+    fn count(&mut self, groups: &[Group], cast: &[Group], manifest: &Manifest) -> Result<()> {
+        for group in groups {
+            let files = manifest.files(&group.unit()).unwrap_or_default();
+            let record: Record = read_record(&*self.store, files)?;
+            if cast.iter().any(|c| c.key == group.key) {
+                self.report.rays += record.rays;
+            }
+            self.report.observations += record.observations;
+            self.report.records += record.records;
+            self.report.frames.skipped += record.skipped.len() as u64;
+            let segments = files.iter().filter(|f| f.name.ends_with(SEGMENT));
+            self.report.segment_bytes += segments.map(|f| f.bytes).sum::<u64>();
+            let items = record.skipped.into_iter().map(|s| Item { item: s.frame, why: s.why, replay: s.replay });
+            self.report.skipped.extend(items);
+        }
+        self.report.skipped.sort();
+        if self.report.observations == 0 {
+            return Err(Error::invalid(
+                "no pixel of any frame saw the mesh from the front: mesh and poses are most likely in different \
+                 coordinates, or the mesh's faces are turned inside out",
+            ));
+        }
+        Ok(())
+    }
+
+    /// The reduce side: the materials of all triangles, read back if they are there already.
+    fn reduce(
+        &mut self,
+        loaded: &Loaded,
+        groups: &[Group],
+        estimator: &dyn Estimator,
+        unit: &str,
+        manifest: &mut Manifest,
+    ) -> Result<Materials> {
+        if let Some(files) = manifest.files(unit) {
+            files.iter().try_for_each(|file| file.verify(&*self.store).map(drop))?;
+            return read_materials(self.pipeline);
+        }
+        let segments = segments(&*self.store, manifest, groups)?;
+        let count = (loaded.mesh.len() as u32).div_ceil(SHARD);
+        let pipeline = self.pipeline;
+        let held = self.budget.reserve("materials", Merge::BYTES_PER_TRIANGLE * loaded.mesh.len() as u64)?;
+        let infer =
+            Infer { estimator, min_bins: pipeline.merge.min_bins as usize, batch: pipeline.infer.batch as usize };
+        let flow = Flow::source(self.stop, "shards", Shards { segments: &segments, count })
+            .map("infer", infer, self.threads, 1)
+            .fold("merge", Merge::new(&loaded.mesh, pipeline.merge.fill), 1);
+        let materials = self.phase("infer", flow.meters(), |_| flow.run())?;
+        let evidence: Vec<_> = materials.evidence.iter().map(|e| e.to_array()).collect();
+        let files = [
+            self.write_table(MATERIALS, Material::LEN, materials.rows.as_flattened())?,
+            self.write_table(EVIDENCE, Evidence::LEN, evidence.as_flattened())?,
+        ];
+        manifest.commit([(unit.to_owned(), files.to_vec())])?;
+        drop(held);
+        Ok(materials)
+    }
+
+    fn write_table(&self, name: &str, columns: usize, values: &[f32]) -> Result<crate::disk::FileEntry> {
+        let draft = self.store.create(name)?;
+        let path = draft.path().to_owned();
+        let shape = [values.len() / columns, columns];
+        npy::write_f32(draft, &shape, values).map_err(Error::io("write", path))?.commit()
+    }
+
+    fn finish(mut self, loaded: &Loaded, materials: &Materials, started: Instant) -> Result<Report> {
+        self.report.triangles = Triangles {
+            total: loaded.mesh.len() as u64,
+            degenerate: loaded.mesh.degenerate() as u64,
+            seen: materials.count(Filled::Observed),
+            filled: materials.count(Filled::Neighbours) + materials.count(Filled::SceneMean),
+            empty: materials.count(Filled::Nothing),
+        };
+        self.report.memory_peak = self.budget.peak();
+        self.report.seconds = started.elapsed().as_secs_f64();
+        let path = self.pipeline.run.work.join(REPORT);
+        crate::disk::write_atomic(&path, |out| {
+            serde_json::to_writer_pretty(out, &self.report).map_err(|e| Error::io("write", &path)(e.into()))
+        })?;
+        Ok(self.report)
+    }
+}
+
+/// Opens the segments of these groups.
+pub fn segments(store: &dyn Store, manifest: &Manifest, groups: &[Group]) -> Result<Vec<Segment<Content>>> {
+    let files = groups.iter().filter_map(|g| manifest.files(&g.unit())).flatten();
+    files
+        .filter(|file| file.name.ends_with(SEGMENT))
+        .map(|file| Segment::open(store.open(&file.name)?, &store.path(&file.name)))
+        .collect()
+}
+
+/// Reads the tables of a finished run.
+pub fn read_materials(pipeline: &Pipeline) -> Result<Materials> {
+    let work = &pipeline.run.work;
+    let rows = npy::read_rows(&work.join(MATERIALS))?;
+    let evidence = npy::read_rows(&work.join(EVIDENCE))?.into_iter().map(Evidence::from_array).collect::<Vec<_>>();
+    if rows.len() != evidence.len() {
+        let found =
+            format!("{} rows, and {MATERIALS} has {}: they belong to different runs", evidence.len(), rows.len());
+        return Err(Error::malformed(work.join(EVIDENCE), found));
+    }
+    Ok(Materials { rows, evidence })
 }
 
 /// Writes the exports again from the materials of a finished run, and gives their paths.
@@ -36,9 +267,28 @@ pub fn maps(pipeline: &Pipeline, _triangles: &[TriangleId], _out: &Path) -> Resu
 /// # Errors
 /// No finished materials; anything that cannot be read or written.
 pub fn export(pipeline: &Pipeline) -> Result<Vec<PathBuf>> {
-    Err(not_wired(pipeline))
+    let materials =
+        read_materials(pipeline).map_err(|e| e.doing("exporting a finished run (`gonio run` makes one)"))?;
+    let loaded = Loaded::read(pipeline)?;
+    if loaded.mesh.len() != materials.rows.len() {
+        return Err(Error::invalid(format!(
+            "{} has {} rows, and {} has {} triangles: run the pipeline again",
+            pipeline.run.work.join(MATERIALS).display(),
+            materials.rows.len(),
+            pipeline.scene.mesh.display(),
+            loaded.mesh.len()
+        )));
+    }
+    export::write(&pipeline.export, &loaded.mesh, &materials, &pipeline.run.work.join(EXPORT))
 }
 
-fn not_wired(pipeline: &Pipeline) -> Error {
-    Error::invalid("not wired yet").doing(format!("running {}", pipeline.file.display()))
+/// A file that is to be written where the user said: its folder must be there.
+pub fn writable(out: &Path) -> Result<()> {
+    let folder = out.parent().filter(|p| !p.as_os_str().is_empty());
+    match folder {
+        Some(folder) if !folder.is_dir() => {
+            Err(Error::invalid(format!("{}: there is no folder {}: make it first", out.display(), folder.display())))
+        }
+        _ => Ok(()),
+    }
 }

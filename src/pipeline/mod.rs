@@ -6,13 +6,17 @@
 
 pub mod check;
 pub mod exec;
+pub mod inspect;
 pub mod problem;
 pub mod progress;
 mod raw;
 pub mod report;
+pub mod resume;
+pub mod scene;
 mod section;
 
-pub use exec::{buffers, export, maps, run};
+pub use exec::{export, run};
+pub use inspect::{buffers, maps};
 pub use progress::Progress;
 pub use report::Report;
 
@@ -22,12 +26,15 @@ use serde::Serialize;
 
 use crate::base::units::Bytes;
 use crate::stages::{Choice, cast, decode, export, gather, infer, merge};
+use crate::synth::city::CityConfig;
 
 /// A pipeline file, checked.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pipeline {
     /// The file that it came from.
     pub file: PathBuf,
+    /// What makes the inputs on the first run, if anything does.
+    pub synth: Option<Synth>,
     /// The inputs.
     pub scene: Scene,
     /// How images become radiance.
@@ -47,6 +54,22 @@ pub struct Pipeline {
     /// Where and with how much a run runs.
     pub run: Run,
 }
+
+/// Section `[synth]`: a scene with a known truth, made where it is missing.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Synth {
+    /// The folder that it is made in; [`MESH`], [`IMAGES`] and [`MODEL`] are in it then.
+    pub into: PathBuf,
+    /// Which one.
+    pub city: CityConfig,
+}
+
+/// The mesh in the folder of a scene that was made.
+pub const MESH: &str = "mesh.ply";
+/// The photographs in the folder of a scene that was made.
+pub const IMAGES: &str = "images";
+/// The COLMAP model in the folder of a scene that was made.
+pub const MODEL: &str = "sparse/0";
 
 /// Section `[scene]`: the inputs. All paths are resolved.
 #[derive(Debug, Clone, PartialEq)]

@@ -30,16 +30,25 @@ pub struct Section<'a> {
 }
 
 /// What a path must lead to.
+#[derive(Debug, Clone, Copy)]
+pub struct Leads<'a> {
+    /// To what.
+    pub to: To,
+    /// What the run makes itself: a path to it need not be there yet.
+    pub made: Option<&'a Path>,
+    /// What to do where nothing is there.
+    pub missing: &'a str,
+}
+
+/// What stands at the end of a path.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Leads {
-    /// A file that can be read.
-    ToFile,
-    /// A folder that can be read.
-    ToFolder,
+pub enum To {
+    /// A file.
+    File,
+    /// A folder.
+    Folder,
     /// A folder, or nothing yet.
-    ToFolderOrNothing,
-    /// Anything; it is not looked for.
-    Anywhere,
+    FolderOrNothing,
 }
 
 impl<'a> Section<'a> {
@@ -139,25 +148,31 @@ impl<'a> Section<'a> {
         self.read(key, |node| parse(text(node)?).map_err(Wrong::rule)).unwrap_or(default)
     }
 
-    /// A path, if there is one. `missing` says what to do where nothing is there.
-    pub fn path(&self, key: &'static str, leads: Leads, missing: &str) -> Option<PathBuf> {
-        self.read(key, |node| self.resolve(node)?.leading(leads, missing))
+    /// A path, if there is one.
+    pub fn path(&self, key: &'static str, leads: Leads<'_>) -> Option<PathBuf> {
+        self.read(key, |node| self.resolve(node)?.leading(leads))
     }
 
     /// A path that must be given; where it is not, the answer is empty and a problem is noted.
-    pub fn required_path(&self, key: &'static str, leads: Leads, missing: &str) -> PathBuf {
+    pub fn required_path(&self, key: &'static str, leads: Leads<'_>) -> PathBuf {
         // What is no table has been told of already.
         let unreadable = self.entries.is_none() && self.place != Place::Whole;
         if self.found(key).is_none() && !unreadable {
             let problem = Problem::new(self.place.clone(), self.field(key), "is needed");
             self.add(problem.hint(format!("add `{key} = \"PATH\"`")));
         }
-        self.path(key, leads, missing).unwrap_or_default()
+        self.path(key, leads).unwrap_or_default()
     }
 
     /// How many problems there are so far.
     pub fn problems(&self) -> usize {
         self.reading.problems.borrow().len()
+    }
+
+    /// Adds what is wrong with a key beyond what reading it finds.
+    pub fn wrong(&self, key: &'static str, rule: impl Into<String>) {
+        let place = self.found(key).map_or(&self.place, |(_, node)| &node.place).clone();
+        self.add(Problem::new(place, self.field(key), rule));
     }
 
     /// Adds what a stage found, with the places of its keys.
@@ -213,25 +228,25 @@ impl Wrong {
 struct Resolved(PathBuf);
 
 impl Resolved {
-    fn leading(self, leads: Leads, missing: &str) -> Result<PathBuf, Wrong> {
+    fn leading(self, leads: Leads<'_>) -> Result<PathBuf, Wrong> {
         let wrong = |rule: &str| Wrong {
             rule: rule.to_owned(),
             got: Some(self.0.display().to_string().escape_debug().to_string()),
-            hint: (!missing.is_empty()).then(|| missing.to_owned()),
+            hint: Some(leads.missing.to_owned()),
         };
-        if leads == Leads::Anywhere {
-            return Ok(self.0);
-        }
-        match (fs::metadata(&self.0), leads) {
-            (Ok(there), Leads::ToFile) if there.is_dir() => Err(wrong("must be a file, and is a folder")),
-            (Ok(there), Leads::ToFolder | Leads::ToFolderOrNothing) if !there.is_dir() => {
+        match (fs::metadata(&self.0), leads.to) {
+            (Ok(there), To::File) if there.is_dir() => Err(wrong("must be a file, and is a folder")),
+            (Ok(there), To::Folder | To::FolderOrNothing) if !there.is_dir() => {
                 Err(wrong("must be a folder, and is a file"))
             }
-            (Err(why), Leads::ToFolderOrNothing) if why.kind() == ErrorKind::NotFound => Ok(self.0),
-            (Err(why), Leads::ToFile) if why.kind() == ErrorKind::NotFound => Err(wrong("no such file")),
-            (Err(why), _) if why.kind() == ErrorKind::NotFound => Err(wrong("no such folder")),
-            (Err(why), _) => Err(wrong(&format!("cannot be read: {why}"))),
             (Ok(_), _) => Ok(self.0),
+            (Err(why), to) if why.kind() == ErrorKind::NotFound => match to {
+                _ if leads.made == Some(&self.0) => Ok(self.0),
+                To::FolderOrNothing => Ok(self.0),
+                To::File => Err(wrong("no such file")),
+                To::Folder => Err(wrong("no such folder")),
+            },
+            (Err(why), _) => Err(wrong(&format!("cannot be read: {why}"))),
         }
     }
 }

@@ -6,15 +6,17 @@ use std::path::Path;
 
 use super::problem::{Problem, Problems, unknown};
 use super::raw::{self, Node, Table};
-use super::section::{Leads, Reading, Section};
-use super::{Light, LightMode, Pipeline, Poses, PosesFormat, Run, Scene};
+use super::section::{Leads, Reading, Section, To};
+use super::{IMAGES, Light, LightMode, MESH, MODEL, Pipeline, Poses, PosesFormat, Run, Scene, Synth};
 use crate::base::units::Bytes;
 use crate::stages::{Fault, cast, decode, export, gather, infer, merge};
+use crate::synth::city::CityConfig;
 
 /// Every section with its keys. Sections within sections are keys of them.
-pub const SECTIONS: [(&str, &[&str]); 9] = [
+pub const SECTIONS: [(&str, &[&str]); 10] = [
+    ("synth", &["into", "city"]),
     ("scene", &["mesh", "images", "masks", "poses"]),
-    ("decode", &["transfer", "gamma", "exposure"]),
+    ("decode", &["transfer", "gamma", "exposure", "downscale"]),
     ("cast", &["tile"]),
     ("gather", &["shadow", "group"]),
     ("infer", &["model", "backend", "library", "batch"]),
@@ -26,6 +28,20 @@ pub const SECTIONS: [(&str, &[&str]); 9] = [
 
 /// The keys of `poses` in `[scene]`.
 pub const POSES: &[&str] = &["format", "path"];
+
+/// The keys of `city` in `[synth]`.
+pub const CITY: &[&str] = &[
+    "seed",
+    "triangles",
+    "frames",
+    "width",
+    "height",
+    "supersampling",
+    "sun_elevation_deg",
+    "sun_azimuth_deg",
+    "sky",
+    "jpeg_quality",
+];
 
 /// The most threads that can be asked for.
 const THREADS: usize = 1024;
@@ -56,9 +72,11 @@ fn pipeline(reading: &Reading<'_>, root: &Table, file: &Path) -> Pipeline {
         let (name, keys) = listed.copied().unwrap_or_default();
         Section::open(reading, name, keys, root.get(name))
     };
+    let synth = root.get("synth").map(|_| synth(reading, &section("synth")));
     Pipeline {
         file: file.to_owned(),
-        scene: scene(reading, &section("scene")),
+        scene: scene(reading, &section("scene"), synth.as_ref()),
+        synth,
         decode: decode(&section("decode")),
         cast: cast(&section("cast")),
         gather: gather(&section("gather")),
@@ -87,18 +105,59 @@ fn unknown_sections(reading: &Reading<'_>, root: &Table) {
     }
 }
 
-fn scene(reading: &Reading<'_>, s: &Section<'_>) -> Scene {
-    let mesh = "put the mesh there, a PLY or OBJ file, or name it: --set scene.mesh=PATH";
-    let images = "put the photographs there, or name their folder: --set scene.images=PATH";
-    let masks = "name the folder of masks, or take the key out if there are none";
+fn synth(reading: &Reading<'_>, s: &Section<'_>) -> Synth {
+    let missing = "name a folder for the scene that is made";
+    let into = s.required_path("into", Leads { to: To::FolderOrNothing, made: None, missing });
+    let c = Section::open(reading, "synth.city", CITY, s.found("city"));
+    let (d, before) = (CityConfig::default(), s.problems());
+    let city = CityConfig {
+        seed: c.whole("seed", d.seed),
+        triangles: c.whole("triangles", d.triangles),
+        frames: c.whole("frames", d.frames),
+        width: c.whole("width", d.width),
+        height: c.whole("height", d.height),
+        supersampling: c.whole("supersampling", d.supersampling),
+        sun_elevation_deg: c.number("sun_elevation_deg").unwrap_or(d.sun_elevation_deg),
+        sun_azimuth_deg: c.number("sun_azimuth_deg").unwrap_or(d.sun_azimuth_deg),
+        sky: c.numbers("sky", d.sky.map(f64::from)).map(|v| v as f32),
+        jpeg_quality: c.whole("jpeg_quality", d.jpeg_quality),
+    };
+    if let (Err(why), true) = (city.check(), s.problems() == before) {
+        s.wrong("city", why.to_string());
+    }
+    Synth { into, city }
+}
+
+fn scene(reading: &Reading<'_>, s: &Section<'_>, synth: Option<&Synth>) -> Scene {
+    let made = |name: &str| synth.map(|synth| synth.into.join(name));
+    let (mesh, images, model) = (made(MESH), made(IMAGES), made(MODEL));
+    let mesh = Leads {
+        to: To::File,
+        made: mesh.as_deref(),
+        missing: "put the mesh there, a PLY or OBJ file, or name it: --set scene.mesh=PATH",
+    };
+    let images = Leads {
+        to: To::Folder,
+        made: images.as_deref(),
+        missing: "put the photographs there, or name their folder: --set scene.images=PATH",
+    };
+    let masks = Leads {
+        to: To::Folder,
+        made: None,
+        missing: "name the folder of masks, or take the key out if there are none",
+    };
+    let model = Leads {
+        to: To::Folder,
+        made: model.as_deref(),
+        missing: "name the folder that holds cameras.bin and images.bin, or both as .txt: --set scene.poses.path=PATH",
+    };
     let poses = Section::open(reading, "scene.poses", POSES, s.found("poses"));
-    let model = "name the folder that holds cameras.bin and images.bin, or both as .txt: --set scene.poses.path=PATH";
-    let path = poses.required_path("path", Leads::ToFolder, model);
+    let path = poses.required_path("path", model);
     poses.faults(without_model(&path).into_iter().collect());
     Scene {
-        mesh: s.required_path("mesh", Leads::ToFile, mesh),
-        images: s.required_path("images", Leads::ToFolder, images),
-        masks: s.path("masks", Leads::ToFolder, masks),
+        mesh: s.required_path("mesh", mesh),
+        images: s.required_path("images", images),
+        masks: s.path("masks", masks),
         poses: Poses { format: poses.choice("format", PosesFormat::Colmap), path },
     }
 }
@@ -127,7 +186,9 @@ fn decode(s: &Section<'_>) -> decode::Config {
     let transfer = s.choice("transfer", d.transfer);
     // A transfer that cannot be read may be the one that wants a gamma.
     let gamma = s.number("gamma").filter(|_| s.problems() == known);
-    checked(s, decode::Config { transfer, gamma, exposure: s.choice("exposure", d.exposure) }, decode::Config::check)
+    let exposure = s.choice("exposure", d.exposure);
+    let downscale = s.whole("downscale", d.downscale);
+    checked(s, decode::Config { transfer, gamma, exposure, downscale }, decode::Config::check)
 }
 
 fn cast(s: &Section<'_>) -> cast::Config {
@@ -142,21 +203,22 @@ fn gather(s: &Section<'_>) -> gather::Config {
 
 fn infer(s: &Section<'_>) -> infer::Config {
     let d = infer::Config::default();
+    let file = |missing| Leads { to: To::File, made: None, missing };
     let named = s.meaning("model", d.model, |name| {
         let file = name.to_ascii_lowercase().ends_with(".onnx");
         Ok(if file { infer::Model::File(name.into()) } else { infer::Model::BuiltIn(name.to_owned()) })
     });
     let model = match named {
         infer::Model::File(_) => s
-            .path("model", Leads::ToFile, "name an ONNX file, or a model that gonio brings along")
-            .map_or(infer::Model::BuiltIn(infer::BUILT_IN[0].to_owned()), infer::Model::File),
+            .path("model", file("name an ONNX file, or a model that gonio brings along"))
+            .map_or_else(infer::Model::built_in, infer::Model::File),
         built_in => built_in,
     };
     let library = "name the library file, as libonnxruntime.so, or take the key out";
     let config = infer::Config {
         model,
         backend: s.choice("backend", d.backend),
-        library: s.path("library", Leads::ToFile, library),
+        library: s.path("library", file(library)),
         batch: s.whole("batch", d.batch),
     };
     checked(s, config, infer::Config::check)
@@ -179,7 +241,10 @@ fn run(s: &Section<'_>) -> Run {
     s.faults(Fault::unless_within("threads", threads, 0..=THREADS).into_iter().collect());
     let size = "must be a number and one of B, KiB, MiB, GiB, TiB, as in \"3GiB\"";
     Run {
-        work: s.required_path("work", Leads::ToFolderOrNothing, "name a folder for the files of this run"),
+        work: s.required_path(
+            "work",
+            Leads { to: To::FolderOrNothing, made: None, missing: "name a folder for this run" },
+        ),
         memory: s.meaning("memory", Bytes(4 * Bytes::GIB), |text| text.parse().map_err(|_: String| size.to_owned())),
         threads,
     }

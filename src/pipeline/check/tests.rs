@@ -45,7 +45,7 @@ fn the_template_is_the_defaults() {
 
 #[test]
 fn the_template_explains_every_key() {
-    for (section, keys) in SECTIONS.iter().copied().chain([("poses", POSES)]) {
+    for (section, keys) in SECTIONS.iter().copied().filter(|(name, _)| *name != "synth").chain([("poses", POSES)]) {
         assert!(section == "poses" || TEMPLATE.contains(&format!("\n[{section}]\n")), "{section}");
         for key in keys {
             let written =
@@ -99,7 +99,7 @@ x = 1
         &["cast=3", "scene.masks=", "light.mode=sun", "export.up=[0,0,0]"],
     );
     insta::assert_snapshot!(text, @r#"
-    p.toml:2:1: mesh: no such section; the known ones are scene, decode, cast, gather, infer, merge, light, export, run; `mesh` is a key of [scene]
+    p.toml:2:1: mesh: no such section; the known ones are synth, scene, decode, cast, gather, infer, merge, light, export, run; `mesh` is a key of [scene]
     p.toml:3:2: scene.mesh: is needed; add `mesh = "PATH"`
     p.toml:4:1: scene.meshh: no such key; the known ones are mesh, images, masks, poses; did you mean `mesh`?
     p.toml:5:10: scene.images: no such folder; got photos; put the photographs there, or name their folder: --set scene.images=PATH
@@ -116,7 +116,7 @@ x = 1
     p.toml:22:2: run.work: is needed; add `work = "PATH"`
     p.toml:23:10: run.memory: must be a number and one of B, KiB, MiB, GiB, TiB, as in "3GiB"; got "4GB"
     p.toml:24:11: run.threads: must lie in 0 to 1024; got 99999
-    p.toml:25:2: trace: no such section; the known ones are scene, decode, cast, gather, infer, merge, light, export, run
+    p.toml:25:2: trace: no such section; the known ones are synth, scene, decode, cast, gather, infer, merge, light, export, run
     --set takes section.key=value; got "cast=3"
     --set export.up: must be a finite vector that is not zero, as [0, 0, 1]; got [0.0, 0.0, 0.0]
     --set light.mode: must be "unknown"; got "sun"
@@ -147,6 +147,23 @@ fn what_is_no_table_of_sections_is_told() {
     insta::assert_snapshot!(load_text(&dir, b"[scene]\nmesh = \"\xff\"", &[]).unwrap_err(), @r#"p.toml:2:9: must be UTF-8 text"#);
     insta::assert_snapshot!(load_text(&dir, &[b'#'; 1 << 19], &[]).unwrap_err(), @r#"p.toml: is larger than 262144 bytes, which no pipeline file is"#);
     insta::assert_snapshot!(load(Path::new("nowhere.toml"), &[]).unwrap_err().to_string(), @r#"nowhere.toml: cannot be read: No such file or directory (os error 2)"#);
+}
+
+#[test]
+fn what_is_made_need_not_be_there_yet() {
+    let (dir, demo) = (TempDir::new().unwrap(), include_str!("../../../pipelines/demo.toml"));
+    let p = load_text(&dir, demo.as_bytes(), &[]).unwrap();
+    let synth = p.synth.unwrap();
+    assert_eq!((synth.city, synth.into), (CityConfig::default(), dir.path().join("work/city")));
+    assert_eq!(p.scene.poses.path, dir.path().join("work/city/sparse/0"));
+    let text = demo.replace("city/mesh.ply", "city/msh.ply").replace("seed = 35", "seed = -1, sede = 2, sky = [1, 2]");
+    insta::assert_snapshot!(load_text(&dir, text.as_bytes(), &["synth.city.frames=0"]).unwrap_err(), @r#"
+    p.toml:9:17: synth.city.seed: must not be negative; got -1
+    p.toml:9:21: synth.city.sede: no such key; the known ones are seed, triangles, frames, width, height, supersampling, sun_elevation_deg, sun_azimuth_deg, sky, jpeg_quality; did you mean `seed`?
+    p.toml:9:37: synth.city.sky: must be a list of 3 numbers; got a list of 2
+    p.toml:12:8: scene.mesh: no such file; got work/city/msh.ply; put the mesh there, a PLY or OBJ file, or name it: --set scene.mesh=PATH
+    "#);
+    insta::assert_snapshot!(load_text(&dir, demo.as_bytes(), &["synth.city.frames=0"]).unwrap_err(), @r#"p.toml:9:8: synth.city: city: frames is 0, but must lie in 1 to 100000"#);
 }
 
 #[test]
