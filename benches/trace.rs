@@ -1,6 +1,7 @@
 //! Rays a second of one thread, over a generated height field of 500,000 triangles and, where the shared data is beside
 //! the project, over `boruszyn`. Primary rays in tiles of 32 by 32 pixels, as frames are cast; the same rays one by one;
 //! and rays to the sun from what they hit. `cargo bench --bench trace`.
+#![expect(clippy::unwrap_used, clippy::print_stderr, reason = "a bench fails by panicking, and says what it runs on")]
 
 use std::hint::black_box;
 

@@ -1,5 +1,6 @@
 //! The command as users run it: what it says, and with which exit code it ends. Failures show the command, its folder
 //! and both of its outputs.
+#![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use std::fs;
 use std::path::Path;

@@ -1,5 +1,6 @@
 //! Imports run downward only. Sources are read as text, so that an import counts wherever it stands: in a `use`, a path
 //! within an expression, a test.
+#![expect(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -1,11 +1,6 @@
 //! Libraries that are not what they should be. A process holds one library for good, so these run apart from the tests
 //! that use one, and none of them may open.
-#![expect(
-    clippy::panic,
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "a test fails by panicking, and says what it skips"
-)]
+#![expect(clippy::panic, clippy::unwrap_used, reason = "a test fails by panicking, and says what it skips")]
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
