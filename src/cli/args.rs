@@ -36,6 +36,12 @@ pub enum Command {
         #[command(flatten)]
         pipeline: PipelineArgs,
     },
+    /// Say what a run will take: stages, workers, memory, disk and time
+    Plan {
+        /// Of which pipeline.
+        #[command(flatten)]
+        pipeline: PipelineArgs,
+    },
     /// Write what every pixel of a frame sees: triangle, position, normal, depth, uv, as one EXR
     Buffers {
         /// Of which pipeline.

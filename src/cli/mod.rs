@@ -4,6 +4,7 @@
 //! standard output, everything else to standard error. A closed pipe ends no run: what cannot be shown is dropped.
 
 pub mod args;
+mod plan;
 mod progress;
 mod report;
 mod run;
@@ -91,6 +92,12 @@ fn command(command: Command) -> Result<Ending, Failure> {
         Command::Check { pipeline } => {
             load(&pipeline)?;
             out(&format!("{}: no problems", pipeline.file.display()));
+            Ok(Ending::Done)
+        }
+        Command::Plan { pipeline } => {
+            let (plan, estimator) = pipeline::plan(&load(&pipeline)?)?;
+            out(&plan::table(&plan, &estimator));
+            plan.fits()?;
             Ok(Ending::Done)
         }
         Command::Buffers { pipeline, frame, out } => {

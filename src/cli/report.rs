@@ -12,7 +12,7 @@ const LISTED: usize = 20;
 
 /// The report as lines of text.
 pub fn table(report: &Report) -> String {
-    let mut lines = Lines(String::new());
+    let mut lines = Lines::default();
     let (f, t) = (&report.frames, &report.triangles);
     for item in report.skipped.iter().take(LISTED) {
         lines.add(format!("skipped {}: {}\n    once more: {}", item.item, item.why, item.replay));
@@ -47,8 +47,7 @@ pub fn table(report: &Report) -> String {
     for path in &report.outputs {
         lines.row("written", path.display().to_string());
     }
-    lines.0.pop();
-    lines.0
+    lines.finish()
 }
 
 fn line(stage: &Stage) -> String {
@@ -66,16 +65,26 @@ fn line(stage: &Stage) -> String {
     )
 }
 
-struct Lines(String);
+/// A table, line after line.
+#[derive(Default)]
+pub struct Lines(String);
 
 impl Lines {
-    fn add(&mut self, line: impl AsRef<str>) {
+    /// Adds a line.
+    pub fn add(&mut self, line: impl AsRef<str>) {
         self.0.push_str(line.as_ref());
         self.0.push('\n');
     }
 
-    fn row(&mut self, name: &str, text: String) {
+    /// Adds a line that begins with a name.
+    pub fn row(&mut self, name: &str, text: String) {
         self.add(format!("{name:15}{text}"));
+    }
+
+    /// The lines, without the last break.
+    pub fn finish(mut self) -> String {
+        self.0.pop();
+        self.0
     }
 }
 

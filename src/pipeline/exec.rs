@@ -5,13 +5,14 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use super::plan::{Inputs, QUEUE};
 use super::report::{Frames as FrameCounts, Item, Phase, Stage, Triangles};
 use super::scene::Loaded;
-use super::{Pipeline, Progress, Report, resume};
+use super::{Pipeline, Plan, Progress, Report, resume};
 use crate::base::{Error, Result};
 use crate::codec::npy;
 use crate::disk::{Content, DirStore, Lock, Manifest, Store};
-use crate::flow::{Budget, Flow, Meter, StopSignal, pool};
+use crate::flow::{Budget, Flow, Meter, StopSignal};
 use crate::model::{self, Estimator, Kind};
 use crate::scene::Material;
 use crate::scene::evidence::{Evidence, Filled};
@@ -59,17 +60,21 @@ pub fn run(pipeline: &Pipeline, stop: &StopSignal, progress: &Progress) -> Resul
     for (unit, why) in &opening.lost {
         progress.note(format!("unit {unit} is done again: {why}"));
     }
-    progress.expect(&["load", "cast", "infer", "export"].map(|phase| (phase, Duration::ZERO)));
     let budget = Budget::new(pipeline.run.memory, stop);
-    let threads = pool::threads(pipeline.run.threads, pool::available());
     let report = Report { gonio: env!("CARGO_PKG_VERSION").into(), ..Report::default() };
-    let mut run = Run { pipeline, stop, progress, store, budget, threads, report };
+    let mut run = Run { pipeline, stop, progress, store, budget, threads: 0, report };
 
     // The network is tried before anything costly starts.
     let estimator = estimator(pipeline)?;
     run.report.backend = estimator.describe();
     let (loaded, groups) = run.phase("load", vec![], |run| {
         let loaded = Loaded::read(run.pipeline)?;
+        let plan = Plan::new(run.pipeline, Inputs::of(run.pipeline, &loaded, &*estimator)?);
+        plan.fits()?;
+        run.threads = plan.inputs.threads as usize;
+        let later = plan.phases.iter().filter(|p| p.name != "load");
+        let expected: Vec<_> = later.map(|p| (p.name, Duration::from_secs_f64(p.seconds))).collect();
+        run.progress.expect(&expected);
         let groups = resume::groups(run.pipeline, loaded.mesh_key, &loaded.frames);
         Ok((loaded, groups))
     })?;
@@ -148,9 +153,9 @@ impl Run<'_> {
         let cast = Cast { frames: &loaded.frames, mesh: &loaded.mesh, bvh: &bvh, tile, downscale };
         let gather = Gather::new(&to_do, Arc::clone(&self.store), manifest, &self.budget)?;
         let flow = Flow::source(self.stop, "frames", Frames { groups: &to_do })
-            .map("decode", decode, self.threads, 1)
-            .map("cast", cast, self.threads, 1)
-            .fold("gather", gather, 1);
+            .map("decode", decode, self.threads, QUEUE)
+            .map("cast", cast, self.threads, QUEUE)
+            .fold("gather", gather, QUEUE);
         self.phase("cast", flow.meters(), |_| flow.run())?;
         drop((scene, nodes));
         self.count(groups, &to_do, manifest)
@@ -202,8 +207,8 @@ impl Run<'_> {
         let infer =
             Infer { estimator, min_bins: pipeline.merge.min_bins as usize, batch: pipeline.infer.batch as usize };
         let flow = Flow::source(self.stop, "shards", Shards { segments: &segments, count })
-            .map("infer", infer, self.threads, 1)
-            .fold("merge", Merge::new(&loaded.mesh, pipeline.merge.fill), 1);
+            .map("infer", infer, self.threads, QUEUE)
+            .fold("merge", Merge::new(&loaded.mesh, pipeline.merge.fill), QUEUE);
         let materials = self.phase("infer", flow.meters(), |_| flow.run())?;
         let evidence: Vec<_> = materials.evidence.iter().map(|e| e.to_array()).collect();
         let files = [
@@ -260,6 +265,16 @@ pub fn read_materials(pipeline: &Pipeline) -> Result<Materials> {
         return Err(Error::malformed(work.join(EVIDENCE), found));
     }
     Ok(Materials { rows, evidence })
+}
+
+/// Works out what a run will take. Nothing is started and nothing written.
+///
+/// # Errors
+/// Inputs that cannot be read, a model that cannot be used.
+pub fn plan(pipeline: &Pipeline) -> Result<(Plan, String)> {
+    let estimator = estimator(pipeline)?;
+    let loaded = Loaded::read(pipeline)?;
+    Ok((Plan::new(pipeline, Inputs::of(pipeline, &loaded, &*estimator)?), estimator.describe()))
 }
 
 /// Writes the exports again from the materials of a finished run, and gives their paths.

@@ -2,11 +2,12 @@
 //!
 //! [`check::load`] reads a file and answers with a [`Pipeline`] or with every [`Problem`](problem::Problem) that it has.
 //! A `Pipeline` is checked: its values are in range, its paths are resolved, and its inputs were there. From then on
-//! nothing asks the file again. `plan` says what a run will take, [`exec`] runs it, [`report`] is what it leaves.
+//! nothing asks the file again. [`plan`] says what a run will take, [`exec`] runs it, [`report`] is what it leaves.
 
 pub mod check;
 pub mod exec;
 pub mod inspect;
+pub mod plan;
 pub mod problem;
 pub mod progress;
 mod raw;
@@ -15,8 +16,9 @@ pub mod resume;
 pub mod scene;
 mod section;
 
-pub use exec::{export, run};
+pub use exec::{export, plan, run};
 pub use inspect::{buffers, maps};
+pub use plan::Plan;
 pub use progress::Progress;
 pub use report::Report;
 

@@ -36,6 +36,9 @@ impl Bvh {
         self.triangles.is_empty()
     }
 
+    /// Bytes of memory that it holds per triangle, at most.
+    pub const BYTES_PER_TRIANGLE: u64 = 96;
+
     /// Bytes of memory that it holds.
     pub fn bytes(&self) -> u64 {
         (size_of_val(&self.nodes[..]) + size_of_val(&self.triangles[..])) as u64
