@@ -119,11 +119,11 @@ impl Run<'_> {
         }
         let started = Instant::now();
         self.progress.begin(name, meters.clone());
-        let done = work(self);
+        let done = work(self)?;
         self.progress.end();
         self.report.phases.push(Phase { name: name.to_owned(), seconds: started.elapsed().as_secs_f64() });
         self.report.stages.extend(meters.iter().map(|meter| Stage::of(name, meter)));
-        done
+        Ok(done)
     }
 
     /// The map side: casts the frames of the groups that the manifest lacks.
