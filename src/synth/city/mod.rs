@@ -4,7 +4,7 @@
 //! ```text
 //! DIR/mesh.ply                 the mesh; x east-ish, y north-ish, z up, metres
 //! DIR/images/frame_000.jpg ..  sRGB, exposed so that a white Lambertian that faces the sun has radiance 1, clipped at 1
-//! DIR/sparse/0/*.bin           COLMAP model: one PINHOLE camera, the poses, a few points of the mesh
+//! DIR/sparse/0/*.bin           COLMAP model: one PINHOLE camera, the poses, no points
 //! DIR/truth/materials.npy      [F,7] f32, rows in the order of the mesh's faces
 //! DIR/truth/light.json         the sun's direction and colour, the sky's radiance
 //! DIR/city.json                configuration and version, written last: what lacks it is unfinished
@@ -17,13 +17,17 @@ mod block;
 mod building;
 mod config;
 mod flight;
+mod folder;
 mod greenery;
 mod palette;
 mod street;
 mod surface;
 mod town;
+mod write;
 
 pub use config::CityConfig;
+pub use folder::Summary;
+pub use write::{generate, generate_if_needed};
 
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;

@@ -1,3 +1,7 @@
+//! Towns by their triangles, and by the files that are made of them.
+
+mod folder;
+
 use std::collections::BTreeMap;
 
 use glam::{DVec2, DVec3};

@@ -1,0 +1,136 @@
+//! A city's folder: whether it holds what is wanted, something of an earlier or interrupted making, or something else.
+//!
+//! While a city is being made its folder holds `city.unfinished`; when all other files are durable `city.json` is
+//! written and the mark is taken away. A folder with neither, that is not empty, is not ours and is left alone.
+
+use std::fs;
+use std::io::ErrorKind;
+use std::path::Path;
+
+use serde_json::{Value, json};
+
+use super::CityConfig;
+use crate::base::{Error, Result};
+use crate::disk::write_atomic;
+
+/// Written last: the configuration, and what came of it.
+pub const RECORD: &str = "city.json";
+/// There while the city is being made.
+const MARK: &str = "city.unfinished";
+/// Changes whenever the same configuration gives other files.
+const VERSION: u32 = 1;
+
+/// What a finished city amounts to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Summary {
+    /// Triangles of the mesh.
+    pub triangles: u64,
+    /// Photographs.
+    pub frames: u64,
+    /// Whether it was there already, made from the same configuration.
+    pub reused: bool,
+}
+
+/// What the folder holds.
+#[derive(Debug, PartialEq, Eq)]
+pub enum Found {
+    /// Nothing that is wanted, and nothing of anybody else's.
+    Room,
+    /// A finished city of this configuration.
+    Finished(Summary),
+}
+
+/// Looks what a folder holds; it need not be there.
+///
+/// # Errors
+/// The folder holds something that is not a city, or cannot be read.
+pub fn look(folder: &Path, config: &CityConfig) -> Result<Found> {
+    let mut entries = match fs::read_dir(folder) {
+        Ok(entries) => entries,
+        Err(why) if why.kind() == ErrorKind::NotFound => return Ok(Found::Room),
+        Err(why) => return Err(Error::io("read the folder", folder)(why)),
+    };
+    let Some(first) = entries.next() else { return Ok(Found::Room) };
+    let record = folder.join(RECORD);
+    let text = match fs::read_to_string(&record) {
+        Ok(text) => text,
+        Err(why) if why.kind() == ErrorKind::NotFound && folder.join(MARK).is_file() => return Ok(Found::Room),
+        Err(why) if why.kind() == ErrorKind::NotFound => {
+            let name = first.map_err(Error::io("read the folder", folder))?.file_name();
+            return Err(Error::malformed(
+                folder,
+                format!(
+                    "holds {} and no {RECORD}: this is no city, and is left alone; name a new or empty folder",
+                    name.display()
+                ),
+            ));
+        }
+        Err(why) => return Err(Error::io("read", &record)(why)),
+    };
+    let value: Value = serde_json::from_str(&text).unwrap_or_default();
+    if value["format"] != "gonio city" {
+        let words = "does not say {\"format\": \"gonio city\"}: the folder is another program's, and is left alone";
+        return Err(Error::malformed(&record, words));
+    }
+    let summary = |triangles, frames| Summary { triangles, frames, reused: true };
+    // As text: a number need not be read as the bits that it was written from.
+    match (value["triangles"].as_u64(), value["frames"].as_u64()) {
+        (Some(t), Some(f)) if text == written(config, summary(t, f)) => Ok(Found::Finished(summary(t, f))),
+        _ => Ok(Found::Room),
+    }
+}
+
+/// Marks the folder as being made, and only then forgets the city that it held.
+pub fn begin(folder: &Path) -> Result<()> {
+    fs::create_dir_all(folder).map_err(Error::io("create", folder))?;
+    // IMPORTANT: the mark first: a folder with neither is taken for somebody else's.
+    write_atomic(folder.join(MARK), |_| Ok(()))?;
+    remove(&folder.join(RECORD))
+}
+
+/// Declares the city finished: everything else must be durable.
+pub fn finish(folder: &Path, config: &CityConfig, summary: Summary) -> Result<()> {
+    let path = folder.join(RECORD);
+    let text = written(config, summary);
+    write_atomic(&path, |out| out.write_all(text.as_bytes()).map_err(Error::io("write", &path)))?;
+    remove(&folder.join(MARK))
+}
+
+/// Removes the files of a folder that begin with `stem` but are not wanted: frames of an earlier city, and what an
+/// interrupted one left under temporary names.
+pub fn sweep(folder: &Path, stem: &str, wanted: impl Fn(&str) -> bool) -> Result<()> {
+    for entry in fs::read_dir(folder).map_err(Error::io("read the folder", folder))? {
+        let name = entry.map_err(Error::io("read the folder", folder))?.file_name();
+        if name.to_str().is_some_and(|name| name.starts_with(stem) && !wanted(name)) {
+            remove(&folder.join(name))?;
+        }
+    }
+    Ok(())
+}
+
+/// Makes all files of a folder durable.
+pub fn sync(folder: &Path) -> Result<()> {
+    for entry in fs::read_dir(folder).map_err(Error::io("read the folder", folder))? {
+        let path = entry.map_err(Error::io("read the folder", folder))?.path();
+        fs::File::open(&path).and_then(|f| f.sync_all()).map_err(Error::io("sync", &path))?;
+    }
+    Ok(())
+}
+
+fn remove(path: &Path) -> Result<()> {
+    match fs::remove_file(path) {
+        Err(why) if why.kind() != ErrorKind::NotFound => Err(Error::io("remove", path)(why)),
+        _ => Ok(()),
+    }
+}
+
+fn written(config: &CityConfig, summary: Summary) -> String {
+    let record = json!({
+        "format": "gonio city",
+        "version": VERSION,
+        "config": config,
+        "triangles": summary.triangles,
+        "frames": summary.frames,
+    });
+    format!("{record:#}\n")
+}

@@ -1,0 +1,113 @@
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+
+use super::small;
+use crate::codec::{npy, ply};
+use crate::synth::city::{CityConfig, build, folder, generate_if_needed};
+
+const GO_ON: &dyn Fn() -> bool = &|| false;
+
+/// Every file below a folder by its path, with its bytes.
+fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    let mut found = BTreeMap::new();
+    for entry in fs::read_dir(folder).unwrap().map(Result::unwrap) {
+        let name = entry.file_name().into_string().unwrap();
+        if entry.file_type().unwrap().is_dir() {
+            found.extend(files(&entry.path()).into_iter().map(|(below, bytes)| (format!("{name}/{below}"), bytes)));
+        } else {
+            found.insert(name, fs::read(entry.path()).unwrap());
+        }
+    }
+    found
+}
+
+#[test]
+fn the_files_hold_the_city() {
+    let dir = tempfile::tempdir().unwrap();
+    let (at, config) = (dir.path().join("new/city"), small(4));
+    let summary = generate_if_needed(&at, &config, GO_ON).unwrap();
+    let names: Vec<String> = files(&at).into_keys().collect();
+    let expected = [
+        "city.json",
+        "images/frame_000.jpg",
+        "images/frame_001.jpg",
+        "images/frame_002.jpg",
+        "mesh.ply",
+        "sparse/0/cameras.bin",
+        "sparse/0/images.bin",
+        "sparse/0/points3D.bin",
+        "truth/light.json",
+        "truth/materials.npy",
+    ];
+    assert_eq!(names, expected);
+    let city = build(&config).unwrap();
+    assert_eq!((summary.triangles, summary.frames, summary.reused), (city.mesh.len() as u64, 3, false));
+    let mesh = ply::read_mesh(&at.join("mesh.ply")).unwrap();
+    assert_eq!(mesh.triangles, city.mesh.triangles);
+    let places = |m: &crate::scene::Mesh| m.positions.iter().map(|p| m.origin + p.as_dvec3()).collect::<Vec<_>>();
+    for (a, b) in places(&mesh).into_iter().zip(places(&city.mesh)) {
+        assert!(a.distance(b) < 1e-4, "{a} {b}");
+    }
+    let truth = npy::read_rows::<7>(&at.join("truth/materials.npy")).unwrap();
+    assert!(truth.iter().copied().eq(city.materials.iter().map(|m| m.to_array())));
+}
+
+#[test]
+fn threads_do_not_change_a_byte() {
+    let made = |threads: usize| {
+        let dir = tempfile::tempdir().unwrap();
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| generate_if_needed(dir.path(), &small(5), GO_ON)).unwrap();
+        files(dir.path())
+    };
+    assert_eq!(made(1), made(3));
+}
+
+#[test]
+fn a_finished_city_is_reused_and_an_interrupted_one_made_again() {
+    let (dir, config) = (tempfile::tempdir().unwrap(), small(6));
+    assert!(!generate_if_needed(dir.path(), &config, GO_ON).unwrap().reused);
+    let whole = files(dir.path());
+    assert!(generate_if_needed(dir.path(), &config, GO_ON).unwrap().reused);
+    assert_eq!(files(dir.path()), whole);
+    // Killed while it was being made again: a torn picture, one not yet there, a temporary file.
+    folder::begin(dir.path()).unwrap();
+    fs::write(dir.path().join("images/frame_001.jpg"), b"torn").unwrap();
+    fs::remove_file(dir.path().join("images/frame_002.jpg")).unwrap();
+    fs::write(dir.path().join("images/frame_002.jpg.7-0.gonio-tmp"), b"left").unwrap();
+    assert!(!generate_if_needed(dir.path(), &config, GO_ON).unwrap().reused);
+    assert_eq!(files(dir.path()), whole);
+}
+
+#[test]
+fn another_configuration_replaces_the_city_and_nothing_else() {
+    let dir = tempfile::tempdir().unwrap();
+    generate_if_needed(dir.path(), &small(6), GO_ON).unwrap();
+    fs::write(dir.path().join("notes.txt"), b"mine").unwrap();
+    fs::write(dir.path().join("images/other.jpg"), b"mine").unwrap();
+    let summary = generate_if_needed(dir.path(), &CityConfig { frames: 1, ..small(6) }, GO_ON).unwrap();
+    assert!(!summary.reused && summary.frames == 1);
+    let left = files(dir.path());
+    assert!(left.contains_key("notes.txt") && left.contains_key("images/other.jpg"));
+    assert!(left.contains_key("images/frame_000.jpg") && !left.contains_key("images/frame_001.jpg"));
+}
+
+#[test]
+fn the_folder_of_another_is_left_alone() {
+    for (name, text) in [("notes.txt", "mine"), ("city.json", "{\"name\": \"Paris\"}"), ("city.json", "no json")] {
+        let dir = tempfile::tempdir().unwrap();
+        fs::write(dir.path().join(name), text).unwrap();
+        let words = generate_if_needed(dir.path(), &small(6), GO_ON).unwrap_err().to_string();
+        assert!(words.contains("left alone") && words.contains(name), "{words}");
+        assert_eq!(files(dir.path()).len(), 1);
+    }
+}
+
+#[test]
+fn a_configuration_out_of_range_touches_nothing() {
+    let dir = tempfile::tempdir().unwrap();
+    let at = dir.path().join("city");
+    assert!(generate_if_needed(&at, &CityConfig { frames: 0, ..small(1) }, GO_ON).is_err());
+    assert!(!at.exists());
+}
