@@ -10,8 +10,9 @@
 use std::path::{Path, PathBuf};
 
 use gonio::base::Result;
-use gonio::model::{self, Backend, Estimator, Kind, ModelSource};
+use gonio::model::{self, Backend, Estimator, ModelSource};
 use gonio::scene::Material;
+use gonio::scene::reflectance::Kind;
 use gonio::scene::reflectance::{BINS, FRONT_BINS};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;

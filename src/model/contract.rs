@@ -2,7 +2,6 @@
 //! [N, 3]; one output `mu` f32 [N, 7]; N symbolic; all weights inside the file; metadata `gonio.kind` = lobe | sphere,
 //! `gonio.version`, and `gonio.training`, a JSON object. Nothing else is accepted.
 
-use std::fmt;
 use std::path::{Path, PathBuf};
 
 use tract_onnx::pb::tensor_proto::{DataLocation, DataType};
@@ -13,25 +12,7 @@ use tract_onnx::prelude::Framework;
 
 use crate::base::{Error, Result};
 use crate::scene::Material;
-use crate::scene::reflectance::{COLUMNS, ROWS};
-
-/// What the maps of a model are maps of.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
-    /// Of one surface point; a bin is a viewing direction.
-    Lobe,
-    /// Of a unit sphere seen by one camera; a bin is a normal.
-    Sphere,
-}
-
-impl fmt::Display for Kind {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Kind::Lobe => "lobe",
-            Kind::Sphere => "sphere",
-        })
-    }
-}
+use crate::scene::reflectance::{COLUMNS, Kind, ROWS};
 
 /// What a model eats, and what it says of itself.
 #[derive(Debug, Clone, PartialEq)]

@@ -27,7 +27,7 @@ use std::str::FromStr;
 
 use serde::Serialize;
 
-pub use contract::{Contract, Kind};
+pub use contract::Contract;
 pub use source::{BUILT_IN, BuiltIn, ModelSource};
 
 use crate::base::Result;

@@ -6,6 +6,7 @@
 //! not matter.
 
 use std::f32::consts::{PI, TAU};
+use std::fmt;
 
 use glam::Vec3;
 
@@ -17,6 +18,24 @@ pub const COLUMNS: usize = 120;
 pub const BINS: usize = ROWS * COLUMNS;
 /// Bins that a front-facing observation can fall in: rows 0..30.
 pub const FRONT_BINS: usize = BINS / 2;
+
+/// What a map is a map of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// Of one surface point; a bin is a viewing direction.
+    Lobe,
+    /// Of a unit sphere seen by one camera; a bin is a normal.
+    Sphere,
+}
+
+impl fmt::Display for Kind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Kind::Lobe => "lobe",
+            Kind::Sphere => "sphere",
+        })
+    }
+}
 
 /// A bin's position, `row * COLUMNS + column`, in `0..BINS`.
 pub type Bin = u16;
