@@ -99,6 +99,6 @@ where
 }
 
 /// What formats with tables of offsets need to be written to.
-pub trait WriteSeek: Write + Seek {}
+pub trait WriteSeek: Write + Seek + Send {}
 
-impl<T: Write + Seek> WriteSeek for T {}
+impl<T: Write + Seek + Send> WriteSeek for T {}
