@@ -13,9 +13,10 @@ use crate::base::{Error, Result};
 use crate::codec::npy;
 use crate::disk::{Content, DirStore, Lock, Manifest, Store};
 use crate::flow::{Budget, Flow, Meter, StopSignal};
-use crate::model::{self, Estimator, Kind};
+use crate::model::{self, Estimator};
 use crate::scene::Material;
 use crate::scene::evidence::{Evidence, Filled};
+use crate::scene::reflectance::Kind;
 use crate::shard::{Segment, format::SHARD};
 use crate::stages::cast::Cast;
 use crate::stages::decode::Decode;
@@ -23,6 +24,7 @@ use crate::stages::export;
 use crate::stages::gather::{Frames, Gather, Group, Record, SEGMENT, SEGMENTS, read_record};
 use crate::stages::infer::{Infer, Shards};
 use crate::stages::merge::{Materials, Merge};
+use crate::synth::city;
 
 /// The tables of a finished run.
 pub const MATERIALS: &str = "materials.npy";
@@ -64,6 +66,10 @@ pub fn run(pipeline: &Pipeline, stop: &StopSignal, progress: &Progress) -> Resul
     let report = Report { gonio: env!("CARGO_PKG_VERSION").into(), ..Report::default() };
     let mut run = Run { pipeline, stop, progress, store, budget, threads: 0, report };
 
+    if let Some(synth) = &pipeline.synth {
+        let made = |run: &mut Run<'_>| city::generate_if_needed(&synth.into, &synth.city, &|| run.stop.draining());
+        run.phase("synth", vec![], made)?;
+    }
     // The network is tried before anything costly starts.
     let estimator = estimator(pipeline)?;
     run.report.backend = estimator.describe();
@@ -277,13 +283,13 @@ pub fn plan(pipeline: &Pipeline) -> Result<(Plan, String)> {
     Ok((Plan::new(pipeline, Inputs::of(pipeline, &loaded, &*estimator)?), estimator.describe()))
 }
 
-/// Writes the exports again from the materials of a finished run, and gives their paths.
+/// The scene and the materials of a finished run.
 ///
 /// # Errors
-/// No finished materials; anything that cannot be read or written.
-pub fn export(pipeline: &Pipeline) -> Result<Vec<PathBuf>> {
+/// No finished materials, or those of another mesh; anything that cannot be read.
+pub fn finished(pipeline: &Pipeline) -> Result<(Loaded, Materials)> {
     let materials =
-        read_materials(pipeline).map_err(|e| e.doing("exporting a finished run (`gonio run` makes one)"))?;
+        read_materials(pipeline).map_err(|e| e.doing("looking for a finished run (`gonio run` makes one)"))?;
     let loaded = Loaded::read(pipeline)?;
     if loaded.mesh.len() != materials.rows.len() {
         return Err(Error::invalid(format!(
@@ -294,6 +300,15 @@ pub fn export(pipeline: &Pipeline) -> Result<Vec<PathBuf>> {
             loaded.mesh.len()
         )));
     }
+    Ok((loaded, materials))
+}
+
+/// Writes the exports again from the materials of a finished run, and gives their paths.
+///
+/// # Errors
+/// No finished materials; anything that cannot be read or written.
+pub fn export(pipeline: &Pipeline) -> Result<Vec<PathBuf>> {
+    let (loaded, materials) = finished(pipeline)?;
     export::write(&pipeline.export, &loaded.mesh, &materials, &pipeline.run.work.join(EXPORT))
 }
 

@@ -7,6 +7,7 @@
 pub mod check;
 pub mod exec;
 pub mod inspect;
+pub mod picture;
 pub mod plan;
 pub mod problem;
 pub mod progress;
