@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Parser, Subcommand};
 
+use super::{eval, render, synth};
 use crate::base::ids::TriangleId;
 
 /// Recovers how every surface of a scene reflects light, from ordinary aerial photographs.
@@ -66,6 +67,21 @@ pub enum Command {
         #[arg(long, value_name = "FILE.npz|FILE.png")]
         out: PathBuf,
     },
+    /// Make data with a known truth
+    #[command(subcommand)]
+    Synth(synth::Synth),
+    /// Show a frame relit: the recovered materials under a sun of your choice, from where the photograph was taken
+    Render {
+        /// Of which pipeline.
+        #[command(flatten)]
+        pipeline: PipelineArgs,
+        /// How.
+        #[command(flatten)]
+        options: render::Options,
+    },
+    /// Measure how far an estimate is from the truth
+    #[command(subcommand)]
+    Eval(eval::Eval),
     /// Write the exports of a finished run again
     Export {
         /// Of which pipeline.

@@ -4,10 +4,13 @@
 //! standard output, everything else to standard error. A closed pipe ends no run: what cannot be shown is dropped.
 
 pub mod args;
+mod eval;
 mod plan;
 mod progress;
+mod render;
 mod report;
 mod run;
+mod synth;
 
 use std::ffi::OsString;
 use std::io::Write;
@@ -106,6 +109,15 @@ fn command(command: Command) -> Result<Ending, Failure> {
         }
         Command::Maps { pipeline, triangles, out } => {
             pipeline::maps(&load(&pipeline)?, &triangles, &out)?;
+            Ok(Ending::Done)
+        }
+        Command::Synth(what) => Ok(synth::synth(what)?),
+        Command::Render { pipeline, options } => {
+            render::render(&load(&pipeline)?, &options)?;
+            Ok(Ending::Done)
+        }
+        Command::Eval(what) => {
+            out(&eval::eval(&what)?);
             Ok(Ending::Done)
         }
         Command::Export { pipeline } => {

@@ -1,0 +1,80 @@
+//! `gonio eval`: how far an estimate is from the truth.
+
+use std::path::PathBuf;
+
+use clap::{Args, Subcommand};
+use serde_json::json;
+
+use super::report::Lines;
+use crate::base::{Error, Result};
+use crate::codec::npy;
+use crate::render::metrics::{MaterialErrors, TRAINING_MEAN, compare, diffuse_guess};
+use crate::scene::Material;
+use crate::scene::evidence::{Evidence, Filled};
+
+/// What is measured.
+#[derive(Debug, Subcommand)]
+pub enum Eval {
+    /// Mean absolute errors of kd, ks and roughness over the triangles that were seen, beside two trivial guesses
+    Materials(Materials),
+}
+
+/// Options of `eval materials`.
+#[derive(Debug, Args)]
+pub struct Materials {
+    /// The truth, .npy [F,7]
+    #[arg(value_name = "TRUTH.npy")]
+    truth: PathBuf,
+    /// The estimate, .npy [F,7]
+    #[arg(value_name = "ESTIMATE.npy")]
+    estimate: PathBuf,
+    /// The evidence behind the estimate; evidence.npy beside it if not named
+    #[arg(long, value_name = "FILE.npy")]
+    evidence: Option<PathBuf>,
+    /// Write one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+/// Measures it, and gives the table.
+///
+/// # Errors
+/// Files that cannot be read, or whose rows are not as many.
+pub fn eval(Eval::Materials(options): &Eval) -> Result<String> {
+    let read = |path: &PathBuf| -> Result<Vec<Material>> {
+        Ok(npy::read_rows::<{ Material::LEN }>(path)?.into_iter().map(Material::from).collect())
+    };
+    let (truth, estimate) = (read(&options.truth)?, read(&options.estimate)?);
+    let path = options.evidence.clone().unwrap_or_else(|| options.estimate.with_file_name("evidence.npy"));
+    let evidence: Vec<Evidence> = npy::read_rows(&path)?.into_iter().map(Evidence::from_array).collect();
+    let seen: Vec<bool> = evidence.iter().map(|e| e.filled == Filled::Observed).collect();
+    if !seen.contains(&true) {
+        return Err(Error::malformed(path, "no triangle was seen: there is nothing to measure"));
+    }
+    let mean: Vec<[f32; 3]> = evidence.iter().map(|e| e.mean_radiance).collect();
+    let rows = [
+        ("estimate", compare(&truth, &estimate, &seen)?),
+        ("mean radiance as kd, ks 0, r 0.5", compare(&truth, &diffuse_guess(&mean), &seen)?),
+        ("training mean, 0.5 throughout", compare(&truth, &vec![TRAINING_MEAN; truth.len()], &seen)?),
+    ];
+    Ok(if options.json { as_json(&rows) } else { as_table(&rows, truth.len()) })
+}
+
+fn as_table(rows: &[(&str, MaterialErrors)], triangles: usize) -> String {
+    let mut lines = Lines::default();
+    let errors = &rows[0].1;
+    lines.add(format!("mean absolute errors over {} of {triangles} triangles", errors.count));
+    if errors.missing > 0 {
+        lines.add(format!("{} more were seen and have no estimate", errors.missing));
+    }
+    lines.add(format!("{:34}{:>8}{:>8}{:>8}", "", "kd", "ks", "r"));
+    for (name, e) in rows {
+        lines.add(format!("{name:34}{:>8.4}{:>8.4}{:>8.4}", e.kd, e.ks, e.r));
+    }
+    lines.finish()
+}
+
+fn as_json(rows: &[(&str, MaterialErrors)]) -> String {
+    let row = |(name, e): &(&str, MaterialErrors)| json!({ "what": name, "kd": e.kd, "ks": e.ks, "r": e.r, "triangles": e.count, "missing": e.missing });
+    json!(rows.iter().map(row).collect::<Vec<_>>()).to_string()
+}

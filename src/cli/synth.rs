@@ -1,0 +1,163 @@
+//! `gonio synth`: data with a known truth.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use clap::{Args, Subcommand, ValueEnum};
+
+use super::{Ending, err, out};
+use crate::base::{Error, Result};
+use crate::codec::npy;
+use crate::disk::write_atomic;
+use crate::flow::{StopSignal, signal};
+use crate::scene::reflectance;
+use crate::synth::city::{self, CityConfig};
+use crate::synth::sparse;
+use crate::synth::spheres::Samples;
+
+/// What is made.
+#[derive(Debug, Subcommand)]
+pub enum Synth {
+    /// A small town with its photographs, a COLMAP model, a mesh, and the material of every triangle
+    City(City),
+    /// Dense reflectance maps of rendered materials: maps.npy [N,3,60,120], materials.npy [N,7], lights.npy [N,3], and
+    /// views.npy [N,3] for spheres
+    Spheres(Spheres),
+    /// Sparse reflectance maps as flights fill them, as a stream of samples for training
+    Bins(Bins),
+}
+
+/// Options of `synth city`.
+#[derive(Debug, Args)]
+pub struct City {
+    /// The folder to make it in: new, empty, or with a city in it
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Seed of everything random
+    #[arg(long, default_value_t = CityConfig::default().seed)]
+    seed: u64,
+    /// Triangles to aim at, 5000 to 20000000
+    #[arg(long, default_value_t = CityConfig::default().triangles)]
+    triangles: u32,
+    /// Photographs, 1 to 100000
+    #[arg(long, default_value_t = CityConfig::default().frames)]
+    frames: u32,
+    /// Columns of a photograph, 16 to 16384
+    #[arg(long, default_value_t = CityConfig::default().width)]
+    width: u32,
+    /// Rows of a photograph, 16 to 16384
+    #[arg(long, default_value_t = CityConfig::default().height)]
+    height: u32,
+    /// Samples of a pixel along either axis, 1 to 4
+    #[arg(long, default_value_t = CityConfig::default().supersampling)]
+    supersampling: u32,
+    /// The sun's height above the horizon, 5 to 90
+    #[arg(long, default_value_t = CityConfig::default().sun_elevation_deg, value_name = "DEGREES")]
+    sun_elevation_deg: f64,
+    /// The sun's direction from +x towards +y
+    #[arg(long, default_value_t = CityConfig::default().sun_azimuth_deg, value_name = "DEGREES")]
+    sun_azimuth_deg: f64,
+}
+
+/// Options of `synth spheres`.
+#[derive(Debug, Args)]
+pub struct Spheres {
+    /// What a bin of a map is
+    #[arg(long, value_enum)]
+    kind: Kind,
+    /// How many maps
+    #[arg(long)]
+    count: usize,
+    /// Seed of what is not given
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Materials to render, .npy [N,7]
+    #[arg(long, value_name = "FILE.npy")]
+    materials: Option<PathBuf>,
+    /// Unit vectors to the light in the map's frame, .npy [N,3]
+    #[arg(long, value_name = "FILE.npy")]
+    lights: Option<PathBuf>,
+    /// Unit vectors to the camera in the map's frame, .npy [N,3]; of spheres only
+    #[arg(long, value_name = "FILE.npy")]
+    views: Option<PathBuf>,
+    /// The folder to write to
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+}
+
+/// What a bin of a map is.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Kind {
+    /// A direction that one surface point sends light to
+    Lobe,
+    /// A normal of a unit sphere seen by one camera
+    Sphere,
+}
+
+/// Options of `synth bins`.
+#[derive(Debug, Args)]
+pub struct Bins {
+    /// How many samples
+    #[arg(long)]
+    count: u64,
+    /// Their seed
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// The file to write, or - for standard output
+    #[arg(long, value_name = "FILE")]
+    out: PathBuf,
+}
+
+/// Makes it.
+///
+/// # Errors
+/// Options out of range, anything that cannot be written, an interruption.
+pub fn synth(what: Synth) -> Result<Ending> {
+    let stop = StopSignal::new();
+    let _listening = signal::listen(&stop)?;
+    let stopped = || stop.draining();
+    match what {
+        Synth::City(c) => {
+            let config = CityConfig {
+                seed: c.seed,
+                triangles: c.triangles,
+                frames: c.frames,
+                width: c.width,
+                height: c.height,
+                supersampling: c.supersampling,
+                sun_elevation_deg: c.sun_elevation_deg,
+                sun_azimuth_deg: c.sun_azimuth_deg,
+                ..CityConfig::default()
+            };
+            let made = city::generate_if_needed(&c.out, &config, &stopped)?;
+            let was = if made.reused { "is there already" } else { "is made" };
+            out(&format!("{}: {} triangles, {} frames; it {was}", c.out.display(), made.triangles, made.frames));
+        }
+        Synth::Spheres(s) => {
+            let samples = Samples {
+                count: s.count,
+                seed: s.seed,
+                materials: s.materials.as_deref().map(npy::read_rows).transpose()?,
+                lights: s.lights.as_deref().map(npy::read_rows).transpose()?,
+                views: s.views.as_deref().map(npy::read_rows).transpose()?,
+            };
+            let kind = match s.kind {
+                Kind::Lobe => reflectance::Kind::Lobe,
+                Kind::Sphere => reflectance::Kind::Sphere,
+            };
+            samples.write(kind, &s.out, &stopped)?;
+        }
+        Synth::Bins(b) if b.out == Path::new("-") => match sparse::write(&mut io::stdout().lock(), b.seed, b.count) {
+            // Who reads the stream takes as many as they want.
+            Err(why) if why.kind() == io::ErrorKind::BrokenPipe => {}
+            done => done.map_err(Error::io("write", "standard output"))?,
+        },
+        Synth::Bins(b) => {
+            write_atomic(&b.out, |mut to| sparse::write(&mut to, b.seed, b.count).map_err(Error::io("write", &b.out)))?
+        }
+    }
+    if stop.draining() {
+        err("gonio: interrupted, but done");
+    }
+    Ok(Ending::Done)
+}
