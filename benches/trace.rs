@@ -52,7 +52,7 @@ fn frame(mesh: &Mesh) -> (Vec3, Vec<Vec<Vec3>>) {
     let size = f64::from(mesh.positions.iter().fold(0f32, |m, p| m.max(p.abs().max_element())));
     let eye = DVec3::new(0.1, -1.2, 1.2) * size;
     let pose = Pose::look_at(eye, DVec3::ZERO, DVec3::Z);
-    let model = Model::Pinhole { f: DVec2::splat(1400.0), c: DVec2::new(768.0, 512.0) };
+    let model = Model::pinhole(DVec2::splat(1400.0), DVec2::new(768.0, 512.0));
     let camera = Camera { width: 1536, height: 1024, model };
     let ray = |x: u32, y: u32| {
         let pixel = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);

@@ -25,7 +25,7 @@ fn floor() -> [DVec3; 3] {
 
 /// Looks at the middle of the floor; the image shows floor alone.
 fn frame(eye: DVec3) -> Frame {
-    let model = Model::Pinhole { f: DVec2::splat(100.0), c: DVec2::new(20.0, 15.0) };
+    let model = Model::pinhole(DVec2::splat(100.0), DVec2::new(20.0, 15.0));
     let camera = Arc::new(Camera { width: 40, height: 30, model });
     Frame { name: "f.jpg".into(), camera, pose: Pose::look_at(eye, DVec3::ZERO, DVec3::Y) }
 }

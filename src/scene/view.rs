@@ -83,7 +83,7 @@ mod tests {
 
     fn view() -> View {
         let mesh = Mesh::new(&[DVec3::ZERO, DVec3::X, DVec3::Y].map(|v| v + 1e6), vec![[0, 1, 2]]).unwrap();
-        let model = Model::Pinhole { f: DVec2::splat(50.0), c: DVec2::new(35.0, 20.0) };
+        let model = Model::pinhole(DVec2::splat(50.0), DVec2::new(35.0, 20.0));
         let eye = mesh.origin + DVec3::Z * 10.0;
         View::new(Camera { width: 70, height: 40, model }, &Pose::look_at(eye, mesh.origin, DVec3::Y), &mesh)
     }

@@ -26,7 +26,7 @@ const NADIR: f64 = 86.0;
 pub fn frames(config: &CityConfig, town: &Town, scale: u32) -> Vec<Frame> {
     let size = DVec2::new(f64::from(config.width), f64::from(config.height)) * f64::from(scale);
     // A field of view of 62 degrees across, that of a drone's wide lens.
-    let model = Model::Pinhole { f: DVec2::splat(0.832 * size.x), c: size * 0.5 };
+    let model = Model::pinhole(DVec2::splat(0.832 * size.x), size * 0.5);
     let camera = Arc::new(Camera { width: config.width * scale, height: config.height * scale, model });
     (0..config.frames)
         .map(|k| Frame {
