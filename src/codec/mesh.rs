@@ -1,15 +1,50 @@
-//! The one door for meshes.
+//! The one door for meshes: PLY or OBJ, by what the file is rather than what it is called.
 
+use std::fs::File;
+use std::io::Read;
 use std::path::Path;
 
-use super::ply;
-use crate::base::Result;
+use super::{obj, ply};
+use crate::base::{Error, Result};
 use crate::scene::Mesh;
 
-/// Reads a mesh.
+/// Reads a mesh: PLY if the file begins so, OBJ if its name ends in `.obj`.
 ///
 /// # Errors
-/// A file that cannot be read, or that is no mesh.
+/// A file that cannot be read, that is neither, or that is damaged.
 pub fn read_mesh(path: &Path) -> Result<Mesh> {
-    ply::read_mesh(path)
+    let mut start = Vec::new();
+    let file = File::open(path).map_err(Error::io("open", path))?;
+    file.take(4).read_to_end(&mut start).map_err(Error::io("read", path))?;
+    let named = |ending: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(ending));
+    match start.strip_prefix(b"ply") {
+        Some([b'\n' | b'\r', ..]) => ply::read_mesh(path),
+        _ if named("obj") => obj::read_mesh(path),
+        // What is called a PLY file and is none is told so.
+        _ if named("ply") => ply::read_mesh(path),
+        _ => Err(Error::malformed(path, "no mesh that gonio reads: PLY, or OBJ in a file that is named .obj")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn content_counts_before_the_name() {
+        let dir = tempfile::tempdir().unwrap();
+        let ply = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+                   element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0 1 0 0 0 1 0 3 0 1 2\n";
+        let obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+        let read = |name: &str, text: &str| {
+            std::fs::write(dir.path().join(name), text).unwrap();
+            read_mesh(&dir.path().join(name)).map_err(|e| e.to_string())
+        };
+        for (name, text) in [("a.ply", ply), ("a.obj", ply), ("a", ply), ("a.OBJ", obj)] {
+            assert_eq!(read(name, text).unwrap().triangles, [[0, 1, 2]], "{name}");
+        }
+        assert!(read("a.ply", obj).unwrap_err().contains("this is no PLY file"));
+        assert!(read("a.stl", "solid").unwrap_err().contains("PLY, or OBJ"));
+        assert!(read("a.obj", "").unwrap_err().contains("no faces"));
+    }
 }

@@ -7,4 +7,5 @@ pub mod image;
 pub mod maps;
 pub mod mesh;
 pub mod npy;
+pub mod obj;
 pub mod ply;
