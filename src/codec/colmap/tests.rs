@@ -69,9 +69,10 @@ fn every_cut_of_a_binary_model_is_refused() {
 
 #[test]
 fn no_flipped_byte_panics() {
-    for name in ["cameras.bin", "images.bin"] {
-        let folder = written(Encoding::Binary);
-        let path = folder.path().join(name);
+    let files = [("cameras", "bin", Encoding::Binary), ("images", "bin", Encoding::Binary)];
+    for (stem, ending, encoding) in files.into_iter().chain(files.map(|f| (f.0, "txt", Encoding::Text))) {
+        let folder = written(encoding);
+        let path = folder.path().join(stem).with_extension(ending);
         let bytes = fs::read(&path).unwrap();
         for at in 0..bytes.len() {
             let mut flipped = bytes.clone();

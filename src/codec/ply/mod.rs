@@ -15,6 +15,8 @@ mod binary;
 mod faces;
 mod header;
 mod scalar;
+#[cfg(test)]
+mod tests;
 mod write;
 
 use std::fs::File;
@@ -30,29 +32,10 @@ use header::{Format, Header};
 
 pub use write::{FaceColumn, Values, write_mesh};
 
-/// What the header of a PLY file says of its size. It is the header's word: nothing has been held against it but the
-/// file's length.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Size {
-    /// Vertices.
-    pub vertices: u64,
-    /// Faces; triangles if none has more than three corners.
-    pub faces: u64,
-}
-
 /// What was read out of the elements, in f64 and not yet checked as a mesh.
 struct Polygons {
     vertices: Vec<DVec3>,
     faces: Faces,
-}
-
-/// The number of vertices and faces, from the header alone.
-///
-/// # Errors
-/// If the file cannot be read, is no PLY, lacks vertices or faces, or is too short for what the header claims.
-pub fn read_header(path: &Path) -> Result<Size> {
-    let (header, _) = open(path)?;
-    Ok(Size { vertices: header.vertex().count, faces: header.face().count })
 }
 
 /// Reads a mesh. Vertices are read in f64 whatever their type; the mesh keeps f32 about an f64 origin.

@@ -67,7 +67,7 @@ impl Model {
         if parameters.len() != count {
             return Err(format!("{} parameters, and {name} has {count}", parameters.len()));
         }
-        if let Some(bad) = parameters.iter().find(|p| !(p.abs() <= LARGEST)) {
+        if let Some(bad) = parameters.iter().find(|p| p.is_nan() || p.abs() > LARGEST) {
             return Err(format!("a parameter is {bad}: finite numbers are needed, at most {LARGEST:e}"));
         }
         let (focal, rest) = parameters.split_at(focal_lengths);
