@@ -69,3 +69,6 @@ pub fn evaluate(m: &Material, wi: Vec3, wo: Vec3) -> Vec3 {
 pub fn radiance(m: &Material, wi: Vec3, wo: Vec3) -> Vec3 {
     PI * evaluate(m, wi, wo) * wi.z.max(0.0)
 }
+
+#[cfg(test)]
+mod tests;
