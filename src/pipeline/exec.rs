@@ -279,7 +279,7 @@ pub fn read_materials(pipeline: &Pipeline) -> Result<Materials> {
 /// Inputs that cannot be read, a model that cannot be used.
 pub fn plan(pipeline: &Pipeline) -> Result<(Plan, String)> {
     let estimator = estimator(pipeline)?;
-    let loaded = Loaded::read(pipeline)?;
+    let loaded = Loaded::expected(pipeline)?;
     Ok((Plan::new(pipeline, Inputs::of(pipeline, &loaded, &*estimator)?), estimator.describe()))
 }
 

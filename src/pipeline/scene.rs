@@ -1,12 +1,14 @@
 //! The inputs of a run, read and prepared for casting.
 
 use super::{Pipeline, PosesFormat};
+use crate::base::Error;
 use crate::base::Result;
 use crate::base::ids::FrameId;
-use crate::base::{Error, key::Key};
+use crate::base::key::{Key, KeyBuilder};
 use crate::codec::{colmap, mesh};
 use crate::scene::Mesh;
 use crate::scene::frame::Frame;
+use crate::synth::city;
 use crate::trace::Bvh;
 
 /// A scene in memory.
@@ -32,6 +34,17 @@ impl Loaded {
             return Err(Error::malformed(&scene.poses.path, "it poses no image: at least one is needed"));
         }
         Ok(Loaded { mesh, mesh_key, frames })
+    }
+
+    /// The scene that a run will load, though it may not have been made yet.
+    pub fn expected(pipeline: &Pipeline) -> Result<Loaded> {
+        match &pipeline.synth {
+            Some(synth) if !pipeline.scene.mesh.exists() => {
+                let mesh = city::build(&synth.city)?.mesh;
+                Ok(Loaded { mesh, mesh_key: KeyBuilder::new("no file").finish(), frames: city::frames(&synth.city) })
+            }
+            _ => Loaded::read(pipeline),
+        }
     }
 
     /// The frame of this name.

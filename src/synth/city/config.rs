@@ -19,7 +19,8 @@ pub struct CityConfig {
     pub width: u32,
     /// Rows of a photograph, 16 to 16,384.
     pub height: u32,
-    /// Samples of a pixel along either axis, 1 to 4. One sees one triangle a pixel, as the observations assume.
+    /// Samples of a pixel along either axis, 1 to 4. One shows a triangle a pixel; more mix them at their edges, as
+    /// lenses do.
     pub supersampling: u32,
     /// The sun's height above the horizon, 5 to 90 degrees.
     pub sun_elevation_deg: f64,
@@ -39,7 +40,7 @@ impl Default for CityConfig {
             frames: 60,
             width: 1200,
             height: 900,
-            supersampling: 1,
+            supersampling: 2,
             sun_elevation_deg: 47.0,
             sun_azimuth_deg: 228.0,
             sky: [0.16, 0.19, 0.24],
