@@ -1,57 +1,11 @@
-//! The command as users run it: what it says, and with which exit code it ends. Failures show the command, its folder
-//! and both of its outputs.
-#![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+//! What is typed, and how commands end before any work is done.
 
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
 
 use tempfile::TempDir;
 
-/// What a command did.
-struct Ran {
-    command: String,
-    output: Output,
-}
-
-impl Ran {
-    /// Runs `gonio` with these arguments, separated by blanks, in a folder.
-    fn gonio(folder: &Path, args: &str) -> Ran {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_gonio"));
-        command.current_dir(folder).args(args.split_whitespace());
-        let output = command.output().unwrap();
-        Ran { command: format!("{command:?} in {}", folder.display()), output }
-    }
-
-    fn stdout(&self) -> String {
-        String::from_utf8_lossy(&self.output.stdout).into_owned()
-    }
-
-    fn stderr(&self) -> String {
-        String::from_utf8_lossy(&self.output.stderr).into_owned()
-    }
-
-    /// The exit code is this one.
-    #[track_caller]
-    fn ends(&self, code: i32) -> &Ran {
-        assert_eq!(self.output.status.code(), Some(code), "{self}");
-        self
-    }
-
-    /// Either output holds these words.
-    #[track_caller]
-    fn says(&self, words: &str) -> &Ran {
-        assert!(self.stdout().contains(words) || self.stderr().contains(words), "no {words:?}: {self}");
-        self
-    }
-}
-
-impl std::fmt::Display for Ran {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let (status, stdout, stderr) = (self.output.status, self.stdout(), self.stderr());
-        write!(f, "{}\n{status}\n--- stdout\n{stdout}--- stderr\n{stderr}", self.command)
-    }
-}
+use crate::ran::Ran;
 
 /// A folder with a pipeline file `p.toml`, and inputs that are there but hold nothing.
 fn folder() -> TempDir {

@@ -1,0 +1,8 @@
+//! The command as users run it: what it says, with which exit code it ends, and which files it leaves. Failures show the
+//! command, its folder and both of its outputs.
+#![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+mod files;
+mod ran;
+mod runs;
+mod typed;

@@ -1,0 +1,160 @@
+//! Whole runs on a small city.
+
+use std::fs;
+
+use glam::DVec3;
+use gonio::codec::colmap::{self, Encoding};
+use gonio::codec::ply;
+use gonio::scene::Mesh;
+use tempfile::TempDir;
+
+use crate::files::{city, outputs, pipelines, report};
+use crate::ran::Ran;
+
+/// Runs `p.toml` with these overlays into `work`, and expects this exit code.
+fn run(dir: &TempDir, work: &str, sets: &str, code: i32) -> Ran {
+    let sets: String = sets.split_whitespace().map(|set| format!(" --set {set}")).collect();
+    let ran = Ran::gonio(dir.path(), &format!("run p.toml --set run.work={work}{sets}"));
+    ran.ends(code);
+    ran
+}
+
+#[test]
+fn neither_threads_nor_tiles_nor_groups_nor_memory_change_a_byte() {
+    let dir = city();
+    run(&dir, "one", "run.threads=1", 0);
+    let one = outputs(&dir.path().join("one"));
+    for (work, sets) in [
+        ("two", "run.threads=2 infer.batch=7"),
+        ("eight", "run.threads=8 cast.tile=8 gather.group=3"),
+        ("spilled", "run.threads=2 cast.tile=256 gather.group=1 run.memory=200MiB"),
+    ] {
+        run(&dir, work, sets, 0);
+        assert!(outputs(&dir.path().join(work)) == one, "{sets}");
+    }
+}
+
+#[test]
+fn the_order_of_frames_does_not_change_a_byte() {
+    let dir = city();
+    run(&dir, "ordered", "gather.group=4", 0);
+    // Frames go by name: other names are another order, and other groups.
+    let model = dir.path().join("sparse/0");
+    let mut frames = colmap::read_model(&model).unwrap();
+    for (k, frame) in frames.iter_mut().enumerate() {
+        let name = format!("{:03}.jpg", (k * 7 + 3) % 10);
+        fs::rename(dir.path().join("images").join(&frame.name), dir.path().join("images").join(&name)).unwrap();
+        frame.name = name;
+    }
+    colmap::write_model(&model, &frames, Encoding::Binary).unwrap();
+    run(&dir, "shuffled", "gather.group=4", 0);
+    assert!(outputs(&dir.path().join("ordered")) == outputs(&dir.path().join("shuffled")));
+}
+
+#[test]
+fn bad_frames_are_skipped_listed_and_made_up_for() {
+    let dir = city();
+    let images = dir.path().join("images");
+    run(&dir, "whole", "gather.group=2", 0);
+    let kept = fs::read(images.join("frame_001.jpg")).unwrap();
+    let gone = fs::read(images.join("frame_004.jpg")).unwrap();
+    fs::write(images.join("frame_001.jpg"), &kept[..kept.len() / 2]).unwrap();
+    fs::remove_file(images.join("frame_004.jpg")).unwrap();
+    let ran = run(&dir, "work", "gather.group=2", 3);
+    ran.says("skipped frame_001.jpg").says("skipped frame_004.jpg").says("cut short").says("2 skipped");
+    let work = dir.path().join("work");
+    let said = report(&work);
+    assert_eq!(said["skipped"].as_array().map(Vec::len), Some(2), "{said}");
+    assert_eq!((&said["frames"]["total"], &said["frames"]["skipped"]), (&10.into(), &2.into()));
+    assert!(outputs(&work) != outputs(&dir.path().join("whole")));
+    // Nothing changed: they stay listed, and nothing is cast.
+    run(&dir, "work", "gather.group=2", 3).says("10 (0 cast, 10 from before, 2 skipped)");
+    // Made up for: their two groups are cast, and the result is that of a run that never missed them.
+    fs::write(images.join("frame_001.jpg"), kept).unwrap();
+    fs::write(images.join("frame_004.jpg"), gone).unwrap();
+    run(&dir, "work", "gather.group=2", 0).says("10 (4 cast, 6 from before, 0 skipped)");
+    assert!(outputs(&work) == outputs(&dir.path().join("whole")));
+}
+
+#[test]
+fn poses_that_see_nothing_of_the_mesh_are_told_of() {
+    let dir = city();
+    let mesh = dir.path().join("mesh.ply");
+    let city = ply::read_mesh(&mesh).unwrap();
+    let moved: Vec<_> = city.positions.iter().map(|p| p.as_dvec3() + city.origin + DVec3::X * 1e6).collect();
+    let mut out = Vec::new();
+    ply::write_mesh(&mut out, &Mesh::new(&moved, city.triangles).unwrap(), &[]).unwrap();
+    fs::write(&mesh, out).unwrap();
+    run(&dir, "work", "", 1).says("no pixel of any frame saw the mesh");
+}
+
+#[test]
+fn an_obj_is_the_same_scene_as_a_ply() {
+    let dir = city();
+    let mesh = ply::read_mesh(&dir.path().join("mesh.ply")).unwrap();
+    let vertices =
+        mesh.positions.iter().map(|p| p.as_dvec3() + mesh.origin).map(|p| format!("v {} {} {}", p.x, p.y, p.z));
+    let faces = mesh.triangles.iter().map(|t| format!("f {} {} {}", t[0] + 1, t[1] + 1, t[2] + 1));
+    let text: Vec<String> = vertices.chain(faces).collect();
+    fs::write(dir.path().join("mesh.obj"), text.join("\n")).unwrap();
+    run(&dir, "ply", "", 0);
+    run(&dir, "obj", "scene.mesh=mesh.obj", 0);
+    assert!(outputs(&dir.path().join("ply")) == outputs(&dir.path().join("obj")));
+}
+
+#[test]
+fn a_finished_run_can_be_looked_into() {
+    let dir = city();
+    let gonio = |args: &str| Ran::gonio(dir.path(), args);
+    gonio("export p.toml").ends(1).says("gonio run");
+    gonio("maps p.toml --triangles 1 --out m.npz").ends(1).says("have not been cast");
+    run(&dir, "work/scene", "", 0).says("bottleneck").says("scene.glb");
+    gonio("maps p.toml --triangles 5,1,4999999 --out m.npz").ends(1).says("there is no triangle 4999999");
+    gonio("maps p.toml --triangles 5,1,77 --out m.npz").ends(0);
+    gonio("maps p.toml --triangles 5,1,77 --out m.png").ends(0);
+    gonio("maps p.toml --triangles 5 --out m.csv").ends(1).says(".npz or .png");
+    gonio("maps p.toml --triangles 5 --out nowhere/m.png").ends(1).says("there is no folder");
+    gonio("buffers p.toml --frame frame_003.jpg --out b.exr").ends(0);
+    gonio("buffers p.toml --frame frame_03.jpg --out b.exr").ends(1).says("did you mean");
+    gonio("render p.toml --frame frame_003.jpg --beside --out r.png").ends(0);
+    gonio("eval materials truth/materials.npy work/scene/materials.npy").ends(0).says("training mean");
+    gonio("eval materials truth/materials.npy work/scene/evidence.npy").ends(1).says("shape");
+    let exported = outputs(&dir.path().join("work/scene"));
+    fs::remove_dir_all(dir.path().join("work/scene/export")).unwrap();
+    gonio("export p.toml").ends(0).says("scene.ply");
+    assert!(outputs(&dir.path().join("work/scene")) == exported);
+    for file in ["m.npz", "m.png", "b.exr", "r.png"] {
+        assert!(fs::metadata(dir.path().join(file)).unwrap().len() > 1000, "{file}");
+    }
+}
+
+#[test]
+fn triangles_that_were_not_seen_stay_empty_if_asked() {
+    let dir = city();
+    run(&dir, "work", "merge.fill=false merge.min_bins=3", 0).says("without a material");
+    let rows = gonio::codec::npy::read_rows::<7>(&dir.path().join("work/materials.npy")).unwrap();
+    let said = report(&dir.path().join("work"));
+    let empty = rows.iter().filter(|row| row.iter().all(|v| v.is_nan())).count();
+    assert_eq!(said["triangles"]["empty"], empty);
+    assert!(empty > 0 && rows.iter().flatten().all(|v| v.is_nan() || (0.0..=1.0).contains(v)));
+}
+
+#[test]
+fn every_pipeline_file_checks_and_plans() {
+    let dir = city();
+    let mut seen = 0;
+    for entry in fs::read_dir(pipelines()).unwrap().map(Result::unwrap) {
+        let path = entry.path();
+        if path.extension() != Some("toml".as_ref()) {
+            continue;
+        }
+        let name = path.file_name().unwrap().to_str().unwrap();
+        fs::copy(&path, dir.path().join(name)).unwrap();
+        Ran::gonio(dir.path(), &format!("check {name}")).ends(0).says("no problems");
+        Ran::gonio(dir.path(), &format!("plan {name}")).ends(0).says("at most, in").says("gather");
+        Ran::gonio(dir.path(), &format!("plan {name} --set run.memory=20MiB")).ends(1).says("too small");
+        seen += 1;
+    }
+    assert!(seen >= 2);
+    assert!(!dir.path().join("work").exists(), "a plan wrote something");
+}
