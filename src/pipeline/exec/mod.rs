@@ -1,30 +1,30 @@
 //! Runs a pipeline: the map side, from frames to segments, then the reduce side, from segments to materials, then the
 //! exports. What the manifest already has is not done again.
 
+mod map;
+mod reduce;
+
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::plan::{Inputs, QUEUE};
-use super::report::{Frames as FrameCounts, Item, Phase, Stage, Triangles};
+use super::plan::Inputs;
+use super::report::{Phase, Stage, Triangles};
 use super::scene::Loaded;
 use super::{Pipeline, Plan, Progress, Report, resume};
 use crate::base::{Error, Result};
-use crate::codec::npy;
-use crate::disk::{Content, DirStore, Lock, Manifest, Store};
-use crate::flow::{Budget, Flow, Meter, StopSignal};
+use crate::disk::{DirStore, Lock, Manifest, Store};
+use crate::flow::{Budget, Meter, StopSignal};
 use crate::model::{self, Estimator};
-use crate::scene::Material;
-use crate::scene::evidence::{Evidence, Filled};
+use crate::scene::evidence::Filled;
 use crate::scene::reflectance::Kind;
-use crate::shard::{Segment, format::SHARD};
-use crate::stages::cast::Cast;
-use crate::stages::decode::Decode;
 use crate::stages::export;
-use crate::stages::gather::{Frames, Gather, Group, Record, SEGMENT, SEGMENTS, read_record};
-use crate::stages::infer::{Infer, Shards};
-use crate::stages::merge::{Materials, Merge};
+use crate::stages::gather::SEGMENTS;
+use crate::stages::merge::Materials;
 use crate::synth::city;
+
+pub use map::segments;
+pub use reduce::read_materials;
 
 /// The tables of a finished run.
 pub const MATERIALS: &str = "materials.npy";
@@ -132,107 +132,6 @@ impl Run<'_> {
         Ok(done)
     }
 
-    /// The map side: casts the frames of the groups that the manifest lacks.
-    fn map(&mut self, loaded: &Loaded, groups: &[Group], manifest: &mut Manifest) -> Result<()> {
-        let to_do = resume::to_do(manifest, groups);
-        let frames: u64 = to_do.iter().map(|g| g.frames.len() as u64).sum();
-        let total = loaded.frames.len() as u64;
-        self.report.frames = FrameCounts { total, cast: frames, resumed: total - frames, skipped: 0 };
-        if to_do.is_empty() {
-            return self.count(groups, &to_do, manifest);
-        }
-        let scene = self.budget.reserve("mesh", loaded.bytes())?;
-        let bvh = self.phase("build", vec![], |_| Ok(loaded.bvh()))?;
-        let nodes = self.budget.reserve("hierarchy", bvh.bytes())?;
-        let pipeline = self.pipeline;
-        let replay = format!("gonio buffers {} --out frame.exr", pipeline.file.display());
-        let decode = Decode {
-            frames: &loaded.frames,
-            images: &pipeline.scene.images,
-            masks: pipeline.scene.masks.as_deref(),
-            downscale: pipeline.decode.downscale,
-            curve: pipeline.decode.curve(),
-            replay: &replay,
-        };
-        let tile = pipeline.cast.tile;
-        let downscale = pipeline.decode.downscale;
-        let cast = Cast { frames: &loaded.frames, mesh: &loaded.mesh, bvh: &bvh, tile, downscale };
-        let gather = Gather::new(&to_do, Arc::clone(&self.store), manifest, &self.budget)?;
-        let flow = Flow::source(self.stop, "frames", Frames { groups: &to_do })
-            .map("decode", decode, self.threads, QUEUE)
-            .map("cast", cast, self.threads, QUEUE)
-            .fold("gather", gather, QUEUE);
-        self.phase("cast", flow.meters(), |_| flow.run())?;
-        drop((scene, nodes));
-        self.count(groups, &to_do, manifest)
-    }
-
-    /// Adds up what the groups' records say.
-    fn count(&mut self, groups: &[Group], cast: &[Group], manifest: &Manifest) -> Result<()> {
-        for group in groups {
-            let files = manifest.files(&group.unit()).unwrap_or_default();
-            let record: Record = read_record(&*self.store, files)?;
-            if cast.iter().any(|c| c.key == group.key) {
-                self.report.rays += record.rays;
-            }
-            self.report.observations += record.observations;
-            self.report.records += record.records;
-            self.report.frames.skipped += record.skipped.len() as u64;
-            let segments = files.iter().filter(|f| f.name.ends_with(SEGMENT));
-            self.report.segment_bytes += segments.map(|f| f.bytes).sum::<u64>();
-            let items = record.skipped.into_iter().map(|s| Item { item: s.frame, why: s.why, replay: s.replay });
-            self.report.skipped.extend(items);
-        }
-        self.report.skipped.sort();
-        if self.report.observations == 0 {
-            return Err(Error::invalid(
-                "no pixel of any frame saw the mesh from the front: mesh and poses are most likely in different \
-                 coordinates, or the mesh's faces are turned inside out",
-            ));
-        }
-        Ok(())
-    }
-
-    /// The reduce side: the materials of all triangles, read back if they are there already.
-    fn reduce(
-        &mut self,
-        loaded: &Loaded,
-        groups: &[Group],
-        estimator: &dyn Estimator,
-        unit: &str,
-        manifest: &mut Manifest,
-    ) -> Result<Materials> {
-        if let Some(files) = manifest.files(unit) {
-            files.iter().try_for_each(|file| file.verify(&*self.store).map(drop))?;
-            return read_materials(self.pipeline);
-        }
-        let segments = segments(&*self.store, manifest, groups)?;
-        let count = (loaded.mesh.len() as u32).div_ceil(SHARD);
-        let pipeline = self.pipeline;
-        let held = self.budget.reserve("materials", Merge::BYTES_PER_TRIANGLE * loaded.mesh.len() as u64)?;
-        let infer =
-            Infer { estimator, min_bins: pipeline.merge.min_bins as usize, batch: pipeline.infer.batch as usize };
-        let flow = Flow::source(self.stop, "shards", Shards { segments: &segments, count })
-            .map("infer", infer, self.threads, QUEUE)
-            .fold("merge", Merge::new(&loaded.mesh, pipeline.merge.fill), QUEUE);
-        let materials = self.phase("infer", flow.meters(), |_| flow.run())?;
-        let evidence: Vec<_> = materials.evidence.iter().map(|e| e.to_array()).collect();
-        let files = [
-            self.write_table(MATERIALS, Material::LEN, materials.rows.as_flattened())?,
-            self.write_table(EVIDENCE, Evidence::LEN, evidence.as_flattened())?,
-        ];
-        manifest.commit([(unit.to_owned(), files.to_vec())])?;
-        drop(held);
-        Ok(materials)
-    }
-
-    fn write_table(&self, name: &str, columns: usize, values: &[f32]) -> Result<crate::disk::FileEntry> {
-        let draft = self.store.create(name)?;
-        let path = draft.path().to_owned();
-        let shape = [values.len() / columns, columns];
-        npy::write_f32(draft, &shape, values).map_err(Error::io("write", path))?.commit()
-    }
-
     fn finish(mut self, loaded: &Loaded, materials: &Materials, started: Instant) -> Result<Report> {
         self.report.triangles = Triangles {
             total: loaded.mesh.len() as u64,
@@ -249,28 +148,6 @@ impl Run<'_> {
         })?;
         Ok(self.report)
     }
-}
-
-/// Opens the segments of these groups.
-pub fn segments(store: &dyn Store, manifest: &Manifest, groups: &[Group]) -> Result<Vec<Segment<Content>>> {
-    let files = groups.iter().filter_map(|g| manifest.files(&g.unit())).flatten();
-    files
-        .filter(|file| file.name.ends_with(SEGMENT))
-        .map(|file| Segment::open(store.open(&file.name)?, &store.path(&file.name)))
-        .collect()
-}
-
-/// Reads the tables of a finished run.
-pub fn read_materials(pipeline: &Pipeline) -> Result<Materials> {
-    let work = &pipeline.run.work;
-    let rows = npy::read_rows(&work.join(MATERIALS))?;
-    let evidence = npy::read_rows(&work.join(EVIDENCE))?.into_iter().map(Evidence::from_array).collect::<Vec<_>>();
-    if rows.len() != evidence.len() {
-        let found =
-            format!("{} rows, and {MATERIALS} has {}: they belong to different runs", evidence.len(), rows.len());
-        return Err(Error::malformed(work.join(EVIDENCE), found));
-    }
-    Ok(Materials { rows, evidence })
 }
 
 /// Works out what a run will take. Nothing is started and nothing written.

@@ -1,0 +1,88 @@
+//! The map side: frames become segments, group after group.
+
+use std::sync::Arc;
+
+use super::Run;
+use crate::base::{Error, Result};
+use crate::disk::{Content, Manifest, Store};
+use crate::flow::Flow;
+use crate::pipeline::plan::QUEUE;
+use crate::pipeline::report::{Frames as FrameCounts, Item};
+use crate::pipeline::resume;
+use crate::pipeline::scene::Loaded;
+use crate::shard::Segment;
+use crate::stages::cast::Cast;
+use crate::stages::decode::Decode;
+use crate::stages::gather::{Frames, Gather, Group, Record, SEGMENT, read_record};
+
+impl Run<'_> {
+    /// The map side: casts the frames of the groups that the manifest lacks.
+    pub(super) fn map(&mut self, loaded: &Loaded, groups: &[Group], manifest: &mut Manifest) -> Result<()> {
+        let to_do = resume::to_do(manifest, groups);
+        let frames: u64 = to_do.iter().map(|g| g.frames.len() as u64).sum();
+        let total = loaded.frames.len() as u64;
+        self.report.frames = FrameCounts { total, cast: frames, resumed: total - frames, skipped: 0 };
+        if to_do.is_empty() {
+            return self.count(groups, &to_do, manifest);
+        }
+        let scene = self.budget.reserve("mesh", loaded.bytes())?;
+        let bvh = self.phase("build", vec![], |_| Ok(loaded.bvh()))?;
+        let nodes = self.budget.reserve("hierarchy", bvh.bytes())?;
+        let pipeline = self.pipeline;
+        let replay = format!("gonio buffers {} --out frame.exr", pipeline.file.display());
+        let decode = Decode {
+            frames: &loaded.frames,
+            images: &pipeline.scene.images,
+            masks: pipeline.scene.masks.as_deref(),
+            downscale: pipeline.decode.downscale,
+            curve: pipeline.decode.curve(),
+            replay: &replay,
+        };
+        let tile = pipeline.cast.tile;
+        let downscale = pipeline.decode.downscale;
+        let cast = Cast { frames: &loaded.frames, mesh: &loaded.mesh, bvh: &bvh, tile, downscale };
+        let gather = Gather::new(&to_do, Arc::clone(&self.store), manifest, &self.budget)?;
+        let flow = Flow::source(self.stop, "frames", Frames { groups: &to_do })
+            .map("decode", decode, self.threads, QUEUE)
+            .map("cast", cast, self.threads, QUEUE)
+            .fold("gather", gather, QUEUE);
+        self.phase("cast", flow.meters(), |_| flow.run())?;
+        drop((scene, nodes));
+        self.count(groups, &to_do, manifest)
+    }
+
+    /// Adds up what the groups' records say.
+    fn count(&mut self, groups: &[Group], cast: &[Group], manifest: &Manifest) -> Result<()> {
+        for group in groups {
+            let files = manifest.files(&group.unit()).unwrap_or_default();
+            let record: Record = read_record(&*self.store, files)?;
+            if cast.iter().any(|c| c.key == group.key) {
+                self.report.rays += record.rays;
+            }
+            self.report.observations += record.observations;
+            self.report.records += record.records;
+            self.report.frames.skipped += record.skipped.len() as u64;
+            let segments = files.iter().filter(|f| f.name.ends_with(SEGMENT));
+            self.report.segment_bytes += segments.map(|f| f.bytes).sum::<u64>();
+            let items = record.skipped.into_iter().map(|s| Item { item: s.frame, why: s.why, replay: s.replay });
+            self.report.skipped.extend(items);
+        }
+        self.report.skipped.sort();
+        if self.report.observations == 0 {
+            return Err(Error::invalid(
+                "no pixel of any frame saw the mesh from the front: mesh and poses are most likely in different \
+                 coordinates, or the mesh's faces are turned inside out",
+            ));
+        }
+        Ok(())
+    }
+}
+
+/// Opens the segments of these groups.
+pub fn segments(store: &dyn Store, manifest: &Manifest, groups: &[Group]) -> Result<Vec<Segment<Content>>> {
+    let files = groups.iter().filter_map(|g| manifest.files(&g.unit())).flatten();
+    files
+        .filter(|file| file.name.ends_with(SEGMENT))
+        .map(|file| Segment::open(store.open(&file.name)?, &store.path(&file.name)))
+        .collect()
+}
