@@ -26,6 +26,8 @@ pub fn table(report: &Report) -> String {
     let each = report.segment_bytes as f64 / (report.observations as f64).max(1.0);
     let records = format!("{} records, {}", short(report.records as f64), Bytes(report.segment_bytes));
     lines.row("observations", format!("{} ({records}, {each:.2} bytes each)", short(report.observations as f64)));
+    let s = &report.shards;
+    lines.row("shards", format!("{} ({} inferred, {} from before)", s.total, s.inferred, s.resumed));
     let mut triangles = format!("{} seen, {} filled", t.seen, t.filled);
     for (count, what) in [(t.empty, "without a material"), (t.degenerate, "without area")] {
         if count > 0 {
@@ -91,7 +93,7 @@ impl Lines {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::pipeline::report::{Frames, Item, Phase, Triangles};
+    use crate::pipeline::report::{Frames, Item, Phase, Shards, Triangles};
 
     #[test]
     fn the_table_says_it_all() {
@@ -116,6 +118,7 @@ mod tests {
             rays: 64_800_000,
             observations: 52_100_000,
             records: 1_230_000,
+            shards: Shards { total: 13, inferred: 4, resumed: 9 },
             triangles: Triangles { total: 50_123, degenerate: 3, seen: 45_000, filled: 5_000, empty: 123 },
             segment_bytes: 12_345_678,
             memory_peak: 3 << 29,
@@ -133,6 +136,7 @@ mod tests {
     frames         60 (30 cast, 8 from before, 22 skipped)
     rays           64.8 M
     observations   52.1 M (1.23 M records, 11.8 MiB, 0.24 bytes each)
+    shards         13 (4 inferred, 9 from before)
     triangles      50123 (45000 seen, 5000 filled, 123 without a material, 3 without area)
     estimator      gonio-lobe-small on tract 0.23.9
     memory         1.5 GiB lent at most

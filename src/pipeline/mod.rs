@@ -16,6 +16,7 @@ pub mod report;
 pub mod resume;
 pub mod scene;
 mod section;
+mod shards;
 
 pub use exec::{export, plan, run};
 pub use inspect::{buffers, maps};

@@ -16,7 +16,7 @@ use crate::scene::Material;
 use crate::scene::reflectance::{BINS, BinSum, FRONT_BINS};
 use crate::shard::Record;
 use crate::shard::format::SHARD;
-use crate::stages::merge::Merge;
+use crate::stages::merge::Materials;
 use crate::trace::Bvh;
 
 /// Items that wait between two stages.
@@ -107,7 +107,7 @@ pub struct Plan {
     pub phases: Vec<Phase>,
     /// The limit.
     pub memory: Bytes,
-    /// Bytes on disk: segments, tables and exports.
+    /// Bytes on disk: segments, shards, tables and exports.
     pub disk: u64,
 }
 
@@ -166,7 +166,7 @@ impl Plan {
         let map = USUAL_BINS * size_of::<(u16, BinSum)>() as u64;
         let shard = u64::from(SHARD).min(i.triangles) * map;
         let batch = u64::from(pipeline.infer.batch) * i.channels * (BINS * size_of::<f32>()) as u64;
-        let tables = Merge::BYTES_PER_TRIANGLE * i.triangles;
+        let tables = Materials::BYTES_PER_TRIANGLE * i.triangles;
         let bvh = Bvh::BYTES_PER_TRIANGLE * i.triangles;
         let held = pool::most_held(i.threads as usize, QUEUE) as u64;
         let threads = i.threads as f64;
@@ -188,7 +188,7 @@ impl Plan {
             stages: vec![
                 source("shards"),
                 stage("infer", i.threads, i.estimator + i.threads * (batch + shard) + 2 * shard),
-                stage("merge", 1, tables),
+                stage("keep", 1, shard),
             ],
             held: i.mesh,
             seconds: i.triangles as f64 * i.seconds_per_map / threads,
@@ -199,10 +199,11 @@ impl Plan {
             alone("build", i.mesh + 2 * bvh, bvh as f64 / BYTES_PER_SECOND),
             cast,
             infer,
+            alone("merge", i.mesh + tables, tables as f64 / BYTES_PER_SECOND),
             alone("export", i.mesh + 2 * tables, export / BYTES_PER_SECOND),
         ];
         let records = i.triangles * USUAL_BINS * i.frames.div_ceil(group).min(USUAL_BINS);
-        let disk = records.min(i.pixels) * RECORD_ON_DISK + tables + export as u64;
+        let disk = records.min(i.pixels) * RECORD_ON_DISK + 2 * tables + export as u64;
         Plan { inputs, phases, memory: pipeline.run.memory, disk }
     }
 

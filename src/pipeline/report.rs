@@ -22,6 +22,8 @@ pub struct Report {
     pub observations: u64,
     /// Records in all segments: observations of one frame group that fell into one bin of one triangle are one.
     pub records: u64,
+    /// The parts of the mesh that are inferred one by one.
+    pub shards: Shards,
     /// The mesh.
     pub triangles: Triangles,
     /// Bytes of all segments.
@@ -51,6 +53,17 @@ pub struct Frames {
     pub resumed: u64,
     /// Frames that could not be used.
     pub skipped: u64,
+}
+
+/// Counts of shards.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub struct Shards {
+    /// Shards that something was observed in.
+    pub total: u64,
+    /// Shards inferred by this call.
+    pub inferred: u64,
+    /// Shards whose materials were there already.
+    pub resumed: u64,
 }
 
 /// Counts of triangles.

@@ -50,20 +50,14 @@ fn frame_key(pipeline: &Pipeline, frame: &Frame) -> Key {
         .finish()
 }
 
-/// The key of the reduce side: all segments, the network and its engine, and what is done with its answers.
-pub fn reduce_key(pipeline: &Pipeline, groups: &[Group], estimator: Key) -> Key {
-    let start = KeyBuilder::new("gonio reduce unit 1").key(estimator).field(format!("{:?}", pipeline.merge).as_bytes());
-    groups.iter().fold(start, |key, group| key.key(group.key)).finish()
-}
-
 /// The groups that the manifest does not have.
 pub fn to_do(manifest: &Manifest, groups: &[Group]) -> Vec<Group> {
     groups.iter().filter(|g| manifest.files(&g.unit()).is_none()).cloned().collect()
 }
 
-/// Forgets the units that this run is not made of, and removes their files.
-pub fn forget_others(manifest: &mut Manifest, wanted: impl Fn(&str) -> bool) -> Result<usize> {
-    let stale: Vec<String> = manifest.units().keys().filter(|unit| !wanted(unit)).cloned().collect();
-    manifest.forget(stale.iter().map(String::as_str))?;
-    Ok(stale.len())
+/// Forgets the units of a kind, which is how their names begin, that this run is not made of, and removes their files.
+pub fn forget_others(manifest: &mut Manifest, kind: &str, wanted: impl Fn(&str) -> bool) -> Result<()> {
+    let stale = manifest.units().keys().filter(|unit| unit.starts_with(kind) && !wanted(unit));
+    let stale: Vec<String> = stale.cloned().collect();
+    if stale.is_empty() { Ok(()) } else { manifest.forget(stale.iter().map(String::as_str)) }
 }

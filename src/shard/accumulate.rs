@@ -3,6 +3,7 @@
 
 use std::io::{self, Write};
 
+use super::format::Entry;
 use super::writer::SegmentWriter;
 use crate::base::ids::TriangleId;
 use crate::scene::reflectance::{Bin, BinSum};
@@ -103,8 +104,8 @@ impl GroupRows {
         (self.records.capacity() * size_of::<Record>() + self.seen.capacity() * size_of::<TriangleId>()) as u64
     }
 
-    /// Writes the group's segment and empties the group. Gives the number of records written.
-    pub fn write<W: Write>(&mut self, out: W) -> io::Result<(W, u64)> {
+    /// Writes the group's segment and empties the group. Gives the segment's index.
+    pub fn write<W: Write>(&mut self, out: W) -> io::Result<(W, Vec<Entry>)> {
         sum_equal_keys(&mut self.records);
         self.seen.sort_unstable();
         let mut writer = SegmentWriter::new(out)?;
@@ -117,8 +118,7 @@ impl GroupRows {
             bins.extend(own.iter().map(|r| (r.bin, r.sum)));
             writer.push(triangle, frames.len() as u32, &bins)?;
         }
-        let records = self.records.len() as u64;
         (self.records, self.seen) = (Vec::new(), Vec::new());
-        Ok((writer.finish()?, records))
+        writer.finish()
     }
 }

@@ -1,4 +1,4 @@
-//! The layout of a segment file, version 1. Integers are little endian; `varint` is LEB128.
+//! The layout of a segment file, version 2. Integers are little endian; `varint` is LEB128.
 //!
 //! ```text
 //! magic     8 bytes  "GONIOSEG"
@@ -13,24 +13,25 @@
 //!                         per record: q = sum / count as a zigzag varint of its difference, red and blue to the same
 //!                         record's green, green to the record's before; then, if count > 1, varint sum % count
 //! index     one entry a block: shard u32, triangles u32, records u32, crc32 u32 of the compressed bytes,
-//!           offset u64, length u64
+//!           offset u64, length u64, hash 16 bytes: the first of the BLAKE3 of the block's columns, not compressed
 //! footer    index offset u64, entries u32, crc32 u32 of the index, magic 8 bytes
 //! ```
 //!
 //! Quotients lie close together and remainders are short, which zstd alone cannot see in raw sums.
+//! Equal hashes are equal observations, so that a shard whose hashes have not changed is not inferred again.
 //! A reader verifies magic, version, footer, that the file ends where the footer says, the index's checksum, and each
 //! block's checksum before it is decoded.
 
 /// First and last bytes of a segment.
 pub const MAGIC: [u8; 8] = *b"GONIOSEG";
 /// Version of the layout above; part of every unit key.
-pub const VERSION: u32 = 1;
+pub const VERSION: u32 = 2;
 /// Triangles in a shard.
 pub const SHARD: u32 = 4096;
 /// Bytes of magic and version.
 pub const HEADER: usize = 12;
 /// Bytes of an index entry.
-pub const ENTRY: usize = 32;
+pub const ENTRY: usize = 48;
 /// Bytes of the footer.
 pub const FOOTER: usize = 24;
 
@@ -49,7 +50,12 @@ pub struct Entry {
     pub offset: u64,
     /// How many compressed bytes it has.
     pub length: u64,
+    /// What is in it.
+    pub hash: Hash,
 }
+
+/// The content hash of a block.
+pub type Hash = [u8; 16];
 
 impl Entry {
     /// The entry as it is stored.
@@ -60,12 +66,15 @@ impl Entry {
         }
         out[16..24].copy_from_slice(&self.offset.to_le_bytes());
         out[24..32].copy_from_slice(&self.length.to_le_bytes());
+        out[32..].copy_from_slice(&self.hash);
         out
     }
 
     /// An entry from its bytes.
     pub fn from_bytes(b: &[u8; ENTRY]) -> Entry {
         let word = |i: usize| u32_at(b, 4 * i);
+        let mut hash = Hash::default();
+        hash.copy_from_slice(&b[32..]);
         Entry {
             shard: word(0),
             triangles: word(1),
@@ -73,6 +82,7 @@ impl Entry {
             crc: word(3),
             offset: u64_at(b, 16),
             length: u64_at(b, 24),
+            hash,
         }
     }
 }

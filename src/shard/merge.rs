@@ -1,4 +1,7 @@
 //! Merges any number of segments, shard by shard, into the maps of their triangles.
+//!
+//! Blocks are added up as they come, so that what is held grows with the filled bins of the maps and not with the
+//! number of segments.
 
 use super::format::SHARD;
 use super::reader::Segment;
@@ -15,36 +18,54 @@ pub struct ShardMaps {
     pub triangles: Vec<(TriangleId, u32, SparseMap)>,
 }
 
+/// The sums of one triangle so far.
+#[derive(Debug, Clone, Default)]
+struct Sums {
+    frames: u32,
+    bins: Vec<(Bin, BinSum)>,
+    /// How many of the bins are different ones; those after them have only been put there.
+    different: usize,
+}
+
+impl Sums {
+    fn add(&mut self, frames: u32, bins: &[(Bin, BinSum)]) {
+        self.frames = self.frames.saturating_add(frames);
+        if self.bins.len() + bins.len() > 2 * self.different + 16 {
+            self.settle();
+        }
+        self.bins.extend_from_slice(bins);
+    }
+
+    /// Adds up what fell into the same bin.
+    fn settle(&mut self) {
+        self.bins.sort_unstable_by_key(|b| b.0);
+        self.bins.dedup_by(|next, kept| {
+            let same = next.0 == kept.0;
+            if same {
+                kept.1.add(&next.1);
+            }
+            same
+        });
+        self.different = self.bins.len();
+    }
+}
+
 /// The maps of one shard out of all segments. The order of segments does not matter.
 pub fn merge_shard<B: AsRef<[u8]>>(segments: &[Segment<B>], shard: u32) -> Result<ShardMaps> {
-    let mut frames = vec![0u32; SHARD as usize];
-    let mut bins: Vec<Vec<(Bin, BinSum)>> = vec![Vec::new(); SHARD as usize];
+    let mut all = vec![Sums::default(); SHARD as usize];
     for segment in segments {
         let Some(block) = segment.block(shard)? else { continue };
         let mut records = block.records.as_slice();
-        for (triangle, seen, count) in block.triangles {
+        for (triangle, frames, count) in block.triangles {
             let (own, rest) = records.split_at(count as usize);
             records = rest;
-            let slot = (triangle - shard * SHARD) as usize;
-            frames[slot] = frames[slot].saturating_add(seen);
-            bins[slot].extend_from_slice(own);
+            all[(triangle - shard * SHARD) as usize].add(frames, own);
         }
     }
-    let triangles = bins.into_iter().zip(frames).enumerate().filter(|(_, (b, _))| !b.is_empty());
-    let triangles = triangles.map(|(slot, (mut bins, frames))| {
-        sum_equal_bins(&mut bins);
-        (shard * SHARD + slot as TriangleId, frames, SparseMap { bins })
+    let observed = all.into_iter().enumerate().filter(|(_, sums)| !sums.bins.is_empty());
+    let triangles = observed.map(|(slot, mut sums)| {
+        sums.settle();
+        (shard * SHARD + slot as TriangleId, sums.frames, SparseMap { bins: sums.bins })
     });
     Ok(ShardMaps { shard, triangles: triangles.collect() })
-}
-
-fn sum_equal_bins(bins: &mut Vec<(Bin, BinSum)>) {
-    bins.sort_unstable_by_key(|b| b.0);
-    bins.dedup_by(|next, kept| {
-        let same = next.0 == kept.0;
-        if same {
-            kept.1.add(&next.1);
-        }
-        same
-    });
 }

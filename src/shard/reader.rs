@@ -1,5 +1,6 @@
 //! Opens a segment: verifies its frame at once and each block when it is asked for.
 
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use super::block::{self, Block};
@@ -11,24 +12,31 @@ use crate::base::{Error, Result};
 pub struct Segment<B> {
     bytes: B,
     path: PathBuf,
-    index: Vec<Entry>,
+    /// Where the index lies. It is read where it is: a run may have thousands of segments open.
+    index: Range<usize>,
 }
 
 impl<B: AsRef<[u8]>> Segment<B> {
     /// Checks magic, version, footer and index. `path` is what errors name.
     pub fn open(bytes: B, path: &Path) -> Result<Self> {
-        let index = read_index(bytes.as_ref()).map_err(|found| Error::malformed(path, found))?;
+        let index = find_index(bytes.as_ref()).map_err(|found| Error::malformed(path, found))?;
         Ok(Segment { bytes, path: path.to_owned(), index })
     }
 
+    fn entries(&self) -> &[[u8; ENTRY]] {
+        self.bytes.as_ref()[self.index.clone()].as_chunks().0
+    }
+
     /// The blocks, ascending by shard.
-    pub fn index(&self) -> &[Entry] {
-        &self.index
+    pub fn index(&self) -> impl Iterator<Item = Entry> {
+        self.entries().iter().map(Entry::from_bytes)
     }
 
     /// The entry of a shard, if the segment holds anything in it.
-    pub fn entry(&self, shard: u32) -> Option<&Entry> {
-        self.index.binary_search_by_key(&shard, |e| e.shard).ok().map(|i| &self.index[i])
+    pub fn entry(&self, shard: u32) -> Option<Entry> {
+        let entries = self.entries();
+        let found = entries.binary_search_by_key(&shard, |e| Entry::from_bytes(e).shard).ok();
+        found.map(|at| Entry::from_bytes(&entries[at]))
     }
 
     /// A shard's block, verified; `None` if the segment holds nothing in it.
@@ -48,11 +56,12 @@ impl<B: AsRef<[u8]>> Segment<B> {
 
     /// Reads every block, and so every byte that counts.
     pub fn verify(&self) -> Result<()> {
-        self.index.iter().try_for_each(|e| self.block(e.shard).map(drop))
+        self.index().try_for_each(|e| self.block(e.shard).map(drop))
     }
 }
 
-fn read_index(bytes: &[u8]) -> Result<Vec<Entry>, String> {
+/// Where the index lies, once it has been checked.
+fn find_index(bytes: &[u8]) -> Result<Range<usize>, String> {
     let short = || format!("{} bytes are too few for a segment: it was cut short", bytes.len());
     let body = bytes.len().checked_sub(FOOTER).filter(|&n| n >= HEADER).ok_or_else(short)?;
     if bytes[..8] != MAGIC {
@@ -69,16 +78,14 @@ fn read_index(bytes: &[u8]) -> Result<Vec<Entry>, String> {
     let index = usize::try_from(start)
         .ok()
         .filter(|&s| s >= HEADER && s.checked_add(entries.saturating_mul(ENTRY)) == Some(body))
-        .map(|s| &bytes[s..body])
+        .map(|s| s..body)
         .ok_or("the footer does not fit the file's length")?;
-    if crc32fast::hash(index) != u32_at(bytes, body + 12) {
+    if crc32fast::hash(&bytes[index.clone()]) != u32_at(bytes, body + 12) {
         return Err("the index fails its checksum".into());
     }
-    let (chunks, _) = index.as_chunks::<ENTRY>();
-    let index: Vec<Entry> = chunks.iter().map(Entry::from_bytes).collect();
     let mut end = HEADER as u64;
     let mut shards = -1i64;
-    for e in &index {
+    for e in bytes[index.clone()].as_chunks().0.iter().map(Entry::from_bytes) {
         let inside = e.offset == end && e.length <= start && e.offset + e.length <= start;
         let counted = e.triangles >= 1 && e.triangles <= SHARD && e.records >= e.triangles;
         if !inside || !counted || i64::from(e.shard) <= shards || e.shard > u32::MAX / SHARD {

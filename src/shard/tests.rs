@@ -33,7 +33,7 @@ fn random_triangles(rng: &mut Pcg32, below: u32, n: usize) -> Triangles {
 fn write(triangles: &Triangles) -> Vec<u8> {
     let mut writer = SegmentWriter::new(Vec::new()).unwrap();
     triangles.iter().for_each(|(t, f, b)| writer.push(*t, *f, b).unwrap());
-    writer.finish().unwrap()
+    writer.finish().unwrap().0
 }
 
 fn open(bytes: &[u8]) -> crate::base::Result<Segment<&[u8]>> {
@@ -156,8 +156,9 @@ fn a_group_counts_the_frames_that_saw_a_triangle() {
     group.add(frame(&[(3, 1), (3, 2), (9, 5)]));
     group.add(FrameRows::default());
     group.add(frame(&[(3, 2), (5000, 1)]));
-    let (bytes, records) = group.write(Vec::new()).unwrap();
-    assert_eq!(records, 4);
+    let (bytes, index) = group.write(Vec::new()).unwrap();
+    assert_eq!(index.iter().map(|e| e.records).sum::<u32>(), 4);
+    assert!(open(&bytes).unwrap().index().eq(index));
     let mut twice = sum;
     twice.add(&sum);
     let expected = vec![(3, 2, vec![(1, sum), (2, twice)]), (9, 1, vec![(5, sum)]), (5000, 1, vec![(1, sum)])];

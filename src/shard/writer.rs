@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 
 use super::block::Columns;
-use super::format::{Entry, MAGIC, SHARD, VERSION};
+use super::format::{Entry, Hash, MAGIC, SHARD, VERSION};
 use crate::base::ids::TriangleId;
 use crate::scene::reflectance::{Bin, BinSum};
 
@@ -73,13 +73,15 @@ impl<W: Write> SegmentWriter<W> {
         self.out.write_all(&compressed)?;
         let length = compressed.len() as u64;
         let crc = crc32fast::hash(&compressed);
-        self.index.push(Entry { shard, triangles, records, crc, offset: self.offset, length });
+        let mut hash = Hash::default();
+        blake3::Hasher::new().update(&self.raw).finalize_xof().fill(&mut hash);
+        self.index.push(Entry { shard, triangles, records, crc, offset: self.offset, length, hash });
         self.offset += length;
         Ok(())
     }
 
-    /// Writes index and footer and gives the sink back, still to be synced. A segment may be empty.
-    pub fn finish(mut self) -> io::Result<W> {
+    /// Writes index and footer. Gives the sink back, still to be synced, and the index. A segment may be empty.
+    pub fn finish(mut self) -> io::Result<(W, Vec<Entry>)> {
         self.end_block()?;
         let index: Vec<u8> = self.index.iter().flat_map(|e| e.to_bytes()).collect();
         self.out.write_all(&index)?;
@@ -87,6 +89,6 @@ impl<W: Write> SegmentWriter<W> {
         self.out.write_all(&(self.index.len() as u32).to_le_bytes())?;
         self.out.write_all(&crc32fast::hash(&index).to_le_bytes())?;
         self.out.write_all(&MAGIC)?;
-        Ok(self.out)
+        Ok((self.out, self.index))
     }
 }

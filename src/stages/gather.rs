@@ -11,7 +11,8 @@ use crate::base::key::Key;
 use crate::base::{Error, Result};
 use crate::disk::{FileEntry, Manifest, Store};
 use crate::flow::{Budget, End, Fold, Meter, Outlet, Reservation, Skipped, Source};
-use crate::shard::GroupRows;
+use crate::shard::format::Entry;
+use crate::shard::{Blocks, GroupRows};
 
 /// Section `[gather]`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -59,13 +60,16 @@ pub struct Group {
 impl Group {
     /// The unit's name in the manifest.
     pub fn unit(&self) -> String {
-        format!("map-{}", self.key)
+        format!("{UNIT}{}", self.key)
     }
 
     fn file(&self, ending: &str) -> String {
         format!("{SEGMENTS}{}{ending}", self.key)
     }
 }
+
+/// How the names of map units begin.
+pub const UNIT: &str = "map-";
 
 /// The folder of segments in a run's store.
 pub const SEGMENTS: &str = "segments/";
@@ -106,6 +110,7 @@ impl From<Skipped> for SkippedFrame {
 
 /// The endings of a unit's files.
 pub const SEGMENT: &str = ".seg";
+const BLOCKS: &str = ".blocks";
 const RECORD: &str = ".json";
 
 /// Reads the record among a unit's files.
@@ -114,6 +119,13 @@ pub fn read_record(store: &dyn Store, files: &[FileEntry]) -> Result<Record> {
     let file = named.ok_or_else(|| Error::invalid("a unit of the manifest has no record"))?;
     let content = file.verify(store)?;
     serde_json::from_slice(&content).map_err(|why| Error::malformed(store.path(&file.name), why.to_string()))
+}
+
+/// Opens the list of the blocks among a unit's files.
+pub fn open_blocks(store: &dyn Store, files: &[FileEntry]) -> Result<Blocks> {
+    let named = files.iter().find(|f| f.name.ends_with(BLOCKS));
+    let file = named.ok_or_else(|| Error::invalid("a unit of the manifest has no list of its blocks"))?;
+    Blocks::open(store, &file.name)
 }
 
 /// Produces the frames of groups, group after group.
@@ -146,6 +158,7 @@ pub struct Gather<'a> {
     taken: usize,
     rows: GroupRows,
     files: Vec<FileEntry>,
+    blocks: Vec<Entry>,
     record: Record,
 }
 
@@ -158,8 +171,8 @@ impl<'a> Gather<'a> {
         budget: &Budget,
     ) -> Result<Self> {
         let reservation = budget.reserve("gather", 0)?;
-        let (rows, files, record) = Default::default();
-        Ok(Gather { groups, store, manifest, reservation, at: 0, taken: 0, rows, files, record })
+        let (rows, files, blocks, record) = Default::default();
+        Ok(Gather { groups, store, manifest, reservation, at: 0, taken: 0, rows, files, blocks, record })
     }
 
     /// Writes what was gathered as a further segment of the group.
@@ -167,19 +180,21 @@ impl<'a> Gather<'a> {
         let name = self.groups[self.at].file(&format!("-{}{SEGMENT}", self.files.len()));
         let draft = self.store.create(&name)?;
         let path = draft.path().to_owned();
-        let (draft, records) = self.rows.write(draft).map_err(Error::io("write", path))?;
+        let (draft, index) = self.rows.write(draft).map_err(Error::io("write", path))?;
         let file = draft.commit()?;
         meter.count_bytes(file.bytes);
-        self.record.records += records;
+        self.record.records += index.iter().map(|block| u64::from(block.records)).sum::<u64>();
+        self.blocks.extend(index);
         self.files.push(file);
         self.reservation.shrink(self.reservation.bytes());
         Ok(())
     }
 
-    /// Ends the group: segment, record, and last the manifest.
+    /// Ends the group: segment, list of blocks, record, and last the manifest.
     fn commit(&mut self, meter: &Meter) -> Result<()> {
         self.spill(meter)?;
         let group = &self.groups[self.at];
+        self.files.push(Blocks::write(&*self.store, &group.file(BLOCKS), &std::mem::take(&mut self.blocks))?);
         self.record.frames = group.frames.len() as u64;
         let mut draft = self.store.create(&group.file(RECORD))?;
         let path = draft.path().to_owned();

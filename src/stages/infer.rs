@@ -6,13 +6,13 @@ use serde::Serialize;
 
 use super::{Choice, Fault};
 use crate::base::Result;
-use crate::base::ids::TriangleId;
-use crate::flow::{Map, Outlet, Source};
+use crate::flow::{Map, Outlet};
 use crate::model::{BUILT_IN, Backend, Estimator, ModelSource, Session};
 use crate::scene::Material;
 use crate::scene::evidence::{Evidence, Filled};
 use crate::scene::reflectance::{BINS, SparseMap};
-use crate::shard::{Segment, ShardMaps, merge_shard};
+use crate::shard::rows::Row;
+use crate::shard::{ShardMaps, ShardRows};
 
 /// Section `[infer]`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -84,35 +84,6 @@ impl Config {
     }
 }
 
-/// Merges segments, shard after shard.
-pub struct Shards<'a, B> {
-    /// The segments of all units.
-    pub segments: &'a [Segment<B>],
-    /// How many shards the mesh has.
-    pub count: u32,
-}
-
-impl<B: AsRef<[u8]> + Send + Sync> Source for Shards<'_, B> {
-    type Out = ShardMaps;
-
-    fn total(&self) -> Option<u64> {
-        Some(u64::from(self.count))
-    }
-
-    fn run(self, out: &mut Outlet<'_, ShardMaps>) -> Result<()> {
-        for shard in 0..self.count {
-            let entries = self.segments.iter().filter_map(|s| s.entry(shard));
-            out.count_bytes(entries.map(|e| e.length).sum());
-            out.send(merge_shard(self.segments, shard)?)?;
-        }
-        Ok(())
-    }
-}
-
-/// The answers for one shard: `(triangle, its material, the evidence behind it)`, ascending by triangle. The material is
-/// NaN where there is too little evidence.
-pub struct ShardMaterials(pub Vec<(TriangleId, [f32; Material::LEN], Evidence)>);
-
 /// Turns the maps of a shard into materials.
 pub struct Infer<'a> {
     /// The network.
@@ -145,29 +116,29 @@ impl Infer<'_> {
 
 impl Map for Infer<'_> {
     type In = ShardMaps;
-    type Out = ShardMaterials;
+    type Out = ShardRows;
     type Scratch = Scratch;
 
     fn scratch(&self) -> Result<Scratch> {
         Ok(Scratch { session: self.estimator.session()?, maps: Vec::new(), answers: Vec::new() })
     }
 
-    fn apply(&self, scratch: &mut Scratch, shard: ShardMaps, out: &mut Outlet<'_, ShardMaterials>) -> Result<()> {
+    fn apply(&self, scratch: &mut Scratch, shard: ShardMaps, out: &mut Outlet<'_, ShardRows>) -> Result<()> {
         let enough = |map: &SparseMap| map.bins.len() >= self.min_bins.max(1);
-        let mut answers = Vec::with_capacity(shard.triangles.len());
+        let mut rows: Vec<Row> = Vec::with_capacity(shard.triangles.len());
         for (triangle, frames, map) in &shard.triangles {
             let filled = if enough(map) { Filled::Observed } else { Filled::Nothing };
-            answers.push((*triangle, [f32::NAN; Material::LEN], Evidence { filled, ..Evidence::of(map, *frames) }));
+            rows.push((*triangle, [f32::NAN; Material::LEN], Evidence { filled, ..Evidence::of(map, *frames) }));
         }
         let asked: Vec<(usize, &SparseMap)> =
             shard.triangles.iter().map(|t| &t.2).enumerate().filter(|(_, map)| enough(map)).collect();
         for batch in asked.chunks(self.batch.max(1)) {
             self.batch(scratch, &batch.iter().map(|(_, map)| *map).collect::<Vec<_>>())?;
             for ((slot, _), material) in batch.iter().zip(&scratch.answers) {
-                answers[*slot].1 = material.to_array();
+                rows[*slot].1 = material.to_array();
             }
         }
-        out.send(ShardMaterials(answers))
+        out.send(ShardRows { shard: shard.shard, rows })
     }
 }
 

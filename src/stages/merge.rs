@@ -4,9 +4,10 @@ use serde::Serialize;
 
 use super::Fault;
 use super::fill::fill;
-use super::infer::ShardMaterials;
-use crate::base::Result;
-use crate::flow::{End, Fold, Meter};
+use super::shards::Shard;
+use crate::base::{Error, Result};
+use crate::codec::npy::NpyWriter;
+use crate::disk::{FileEntry, Store};
 use crate::scene::adjacency::Adjacency;
 use crate::scene::evidence::{Evidence, Filled};
 use crate::scene::reflectance::FRONT_BINS;
@@ -50,43 +51,60 @@ impl Materials {
     }
 }
 
-/// Puts every shard's answers in their place, then fills what was hardly seen.
-pub struct Merge<'a> {
-    mesh: &'a Mesh,
-    fill: bool,
-    all: Materials,
-}
+/// How the name of the unit of both tables begins.
+pub const UNIT: &str = "tables-";
+/// Version of what this stage makes of the shards' rows; part of the tables' key.
+pub const VERSION: u32 = 1;
+/// The table of materials, [F,7].
+pub const MATERIALS: &str = "materials.npy";
+/// The table of what stands behind them, [F,10].
+pub const EVIDENCE: &str = "evidence.npy";
 
-impl<'a> Merge<'a> {
-    /// Materials for this mesh, none so far.
-    pub fn new(mesh: &'a Mesh, fill: bool) -> Self {
-        let nothing = Evidence { filled: Filled::Nothing, ..Evidence::default() };
-        let all = Materials { rows: vec![[f32::NAN; Material::LEN]; mesh.len()], evidence: vec![nothing; mesh.len()] };
-        Merge { mesh, fill, all }
-    }
-
-    /// Bytes of memory that it holds, per triangle.
+impl Materials {
+    /// Bytes of memory per triangle.
     pub const BYTES_PER_TRIANGLE: u64 = (size_of::<[f32; Material::LEN]>() + size_of::<Evidence>()) as u64;
+
+    /// Puts every shard's rows in their place, then, if `fill`, fills what was hardly seen.
+    ///
+    /// # Errors
+    /// A shard whose rows cannot be read or are not those of this mesh.
+    pub fn merge(store: &dyn Store, shards: &[Shard], mesh: &Mesh, fill: bool) -> Result<Materials> {
+        let nothing = Evidence { filled: Filled::Nothing, ..Evidence::default() };
+        let mut all =
+            Materials { rows: vec![[f32::NAN; Material::LEN]; mesh.len()], evidence: vec![nothing; mesh.len()] };
+        for shard in shards {
+            for (triangle, material, evidence) in shard.rows(store)?.rows {
+                let at = triangle as usize;
+                if at >= mesh.len() {
+                    return Err(Error::invalid(format!("shard {} goes past the mesh's end", shard.number)));
+                }
+                (all.rows[at], all.evidence[at]) = (material, evidence);
+            }
+        }
+        if fill {
+            self::fill(&Adjacency::of(mesh), &mut all.rows, &mut all.evidence);
+        }
+        Ok(all)
+    }
+
+    /// Writes both tables. Their names must be free.
+    pub fn write(&self, store: &dyn Store) -> Result<Vec<FileEntry>> {
+        let materials = table(store, MATERIALS, self.rows.iter().copied())?;
+        Ok(vec![materials, table(store, EVIDENCE, self.evidence.iter().map(|e| e.to_array()))?])
+    }
 }
 
-impl Fold for Merge<'_> {
-    type In = ShardMaterials;
-    type Out = Materials;
-
-    fn take(&mut self, shard: ShardMaterials, _: &Meter) -> Result<()> {
-        for (triangle, material, evidence) in shard.0 {
-            self.all.rows[triangle as usize] = material;
-            self.all.evidence[triangle as usize] = evidence;
-        }
-        Ok(())
-    }
-
-    fn finish(mut self, end: End, _: &Meter) -> Result<Materials> {
-        if self.fill && end == End::Complete {
-            fill(&Adjacency::of(self.mesh), &mut self.all.rows, &mut self.all.evidence);
-        }
-        Ok(self.all)
-    }
+fn table<const N: usize>(
+    store: &dyn Store,
+    name: &str,
+    rows: impl ExactSizeIterator<Item = [f32; N]>,
+) -> Result<FileEntry> {
+    let draft = store.create(name)?;
+    let write = || {
+        let mut out = NpyWriter::new(draft, &[rows.len(), N])?;
+        rows.into_iter().try_for_each(|row| out.write(&row)).and_then(|()| out.finish())
+    };
+    write().map_err(Error::io("write", store.path(name)))?.commit()
 }
 
 #[cfg(test)]

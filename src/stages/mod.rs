@@ -10,6 +10,7 @@ pub mod fill;
 pub mod gather;
 pub mod infer;
 pub mod merge;
+pub mod shards;
 
 use std::fmt::Display;
 use std::ops::RangeInclusive;

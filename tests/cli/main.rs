@@ -4,5 +4,6 @@
 
 mod files;
 mod ran;
+mod reduce;
 mod runs;
 mod typed;

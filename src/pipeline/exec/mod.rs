@@ -19,17 +19,14 @@ use crate::model::{self, Estimator};
 use crate::scene::evidence::Filled;
 use crate::scene::reflectance::Kind;
 use crate::stages::export;
-use crate::stages::gather::SEGMENTS;
-use crate::stages::merge::Materials;
+use crate::stages::gather::{self, SEGMENTS};
+use crate::stages::merge::{EVIDENCE, MATERIALS, Materials};
+use crate::stages::shards::SHARDS;
 use crate::synth::city;
 
 pub use map::segments;
 pub use reduce::read_materials;
 
-/// The tables of a finished run.
-pub const MATERIALS: &str = "materials.npy";
-/// What stands behind them.
-pub const EVIDENCE: &str = "evidence.npy";
 /// What the run did.
 const REPORT: &str = "report.json";
 /// The folder of exports.
@@ -55,7 +52,7 @@ pub fn run(pipeline: &Pipeline, stop: &StopSignal, progress: &Progress) -> Resul
     let work = &pipeline.run.work;
     let _lock = Lock::acquire(work)?;
     let store: Arc<dyn Store> = Arc::new(DirStore::new(work));
-    let (mut manifest, opening) = Manifest::open(Arc::clone(&store), &[SEGMENTS, MATERIALS, EVIDENCE])?;
+    let (mut manifest, opening) = Manifest::open(Arc::clone(&store), &[SEGMENTS, SHARDS, MATERIALS, EVIDENCE])?;
     if let Some((file, why)) = &opening.set_aside {
         progress.note(format!("the manifest could not be used and is now {file}: {why}"));
     }
@@ -84,17 +81,16 @@ pub fn run(pipeline: &Pipeline, stop: &StopSignal, progress: &Progress) -> Resul
         let groups = resume::groups(run.pipeline, loaded.mesh_key, &loaded.frames);
         Ok((loaded, groups))
     })?;
-    let reduce = format!("reduce-{}", resume::reduce_key(pipeline, &groups, estimator.key()));
-    let wanted = |unit: &str| unit == reduce || groups.iter().any(|g| g.unit() == unit);
-    resume::forget_others(&mut manifest, wanted)?;
+    resume::forget_others(&mut manifest, gather::UNIT, |unit| groups.iter().any(|g| g.unit() == unit))?;
 
     run.map(&loaded, &groups, &mut manifest)?;
-    let materials = run.reduce(&loaded, &groups, &*estimator, &reduce, &mut manifest)?;
+    let (materials, held) = run.reduce(&loaded, &groups, &*estimator, &mut manifest)?;
     run.phase("export", vec![], |run| {
         let folder = run.pipeline.run.work.join(EXPORT);
         run.report.outputs = export::write(&run.pipeline.export, &loaded.mesh, &materials, &folder)?;
         Ok(())
     })?;
+    drop(held);
     run.finish(&loaded, &materials, started)
 }
 

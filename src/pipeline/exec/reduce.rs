@@ -1,60 +1,76 @@
-//! The reduce side: segments become materials, shard after shard.
+//! The reduce side: segments become materials, shard after shard, and the shards one table.
 
-use super::{EVIDENCE, MATERIALS, Run, segments};
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+use super::{Run, segments};
 use crate::base::{Error, Result};
 use crate::codec::npy;
-use crate::disk::{FileEntry, Manifest};
-use crate::flow::Flow;
+use crate::disk::Manifest;
+use crate::flow::{Flow, Reservation};
 use crate::model::Estimator;
-use crate::pipeline::Pipeline;
 use crate::pipeline::plan::QUEUE;
+use crate::pipeline::report::Shards as ShardCounts;
 use crate::pipeline::scene::Loaded;
-use crate::scene::Material;
+use crate::pipeline::{Pipeline, resume, shards};
 use crate::scene::evidence::Evidence;
 use crate::shard::format::SHARD;
-use crate::stages::gather::Group;
-use crate::stages::infer::{Infer, Shards};
-use crate::stages::merge::{Materials, Merge};
+use crate::stages::gather::{Group, open_blocks};
+use crate::stages::infer::Infer;
+use crate::stages::merge::{self, EVIDENCE, MATERIALS, Materials};
+use crate::stages::shards::{Keep, Merged, Shard, UNIT};
 
 impl Run<'_> {
-    /// The reduce side: the materials of all triangles, read back if they are there already.
+    /// The reduce side: infers the shards that the manifest lacks, and gives the materials of all triangles, read back if
+    /// they are there already, with the memory that they are held in.
     pub(super) fn reduce(
         &mut self,
         loaded: &Loaded,
         groups: &[Group],
         estimator: &dyn Estimator,
-        unit: &str,
         manifest: &mut Manifest,
-    ) -> Result<Materials> {
-        if let Some(files) = manifest.files(unit) {
-            files.iter().try_for_each(|file| file.verify(&*self.store).map(drop))?;
-            return read_materials(self.pipeline);
-        }
-        let segments = segments(&*self.store, manifest, groups)?;
+    ) -> Result<(Materials, Reservation)> {
+        let files = groups.iter().filter_map(|g| manifest.files(&g.unit()));
+        let blocks: Vec<_> = files.map(|files| open_blocks(&*self.store, files)).collect::<Result<_>>()?;
         let count = (loaded.mesh.len() as u32).div_ceil(SHARD);
-        let pipeline = self.pipeline;
-        let held = self.budget.reserve("materials", Merge::BYTES_PER_TRIANGLE * loaded.mesh.len() as u64)?;
-        let infer =
-            Infer { estimator, min_bins: pipeline.merge.min_bins as usize, batch: pipeline.infer.batch as usize };
-        let flow = Flow::source(self.stop, "shards", Shards { segments: &segments, count })
-            .map("infer", infer, self.threads, QUEUE)
-            .fold("merge", Merge::new(&loaded.mesh, pipeline.merge.fill), QUEUE);
-        let materials = self.phase("infer", flow.meters(), |_| flow.run())?;
-        let evidence: Vec<_> = materials.evidence.iter().map(|e| e.to_array()).collect();
-        let files = [
-            self.write_table(MATERIALS, Material::LEN, materials.rows.as_flattened())?,
-            self.write_table(EVIDENCE, Evidence::LEN, evidence.as_flattened())?,
-        ];
-        manifest.commit([(unit.to_owned(), files.to_vec())])?;
-        drop(held);
-        Ok(materials)
+        let all = shards::shards(&blocks, count, shards::made(self.pipeline, estimator.key()));
+        let tables = format!("{}{}", merge::UNIT, shards::tables(self.pipeline, loaded.mesh_key, &all));
+        let wanted: BTreeSet<String> = all.iter().map(Shard::unit).collect();
+        resume::forget_others(manifest, UNIT, |unit| wanted.contains(unit))?;
+        resume::forget_others(manifest, merge::UNIT, |unit| unit == tables)?;
+
+        let to_do: Vec<Shard> = all.iter().filter(|s| manifest.files(&s.unit()).is_none()).cloned().collect();
+        let (total, inferred) = (all.len() as u64, to_do.len() as u64);
+        self.report.shards = ShardCounts { total, inferred, resumed: total - inferred };
+        if !to_do.is_empty() {
+            self.infer(&to_do, groups, estimator, manifest)?;
+        }
+        let held = self.budget.reserve("materials", Materials::BYTES_PER_TRIANGLE * loaded.mesh.len() as u64)?;
+        if let Some(files) = manifest.files(&tables) {
+            files.iter().try_for_each(|file| file.verify(&*self.store).map(drop))?;
+            return Ok((read_materials(self.pipeline)?, held));
+        }
+        let materials = self.phase("merge", vec![], |run| {
+            let materials = Materials::merge(&*run.store, &all, &loaded.mesh, run.pipeline.merge.fill)?;
+            manifest.commit([(tables, materials.write(&*run.store)?)])?;
+            Ok(materials)
+        })?;
+        Ok((materials, held))
     }
 
-    fn write_table(&self, name: &str, columns: usize, values: &[f32]) -> Result<FileEntry> {
-        let draft = self.store.create(name)?;
-        let path = draft.path().to_owned();
-        let shape = [values.len() / columns, columns];
-        npy::write_f32(draft, &shape, values).map_err(Error::io("write", path))?.commit()
+    fn infer(
+        &mut self,
+        shards: &[Shard],
+        groups: &[Group],
+        estimator: &dyn Estimator,
+        manifest: &mut Manifest,
+    ) -> Result<()> {
+        let segments = segments(&*self.store, manifest, groups)?;
+        let (min_bins, batch) = (self.pipeline.merge.min_bins as usize, self.pipeline.infer.batch as usize);
+        let flow = Flow::source(self.stop, "shards", Merged { segments: &segments, shards })
+            .map("infer", Infer { estimator, min_bins, batch }, self.threads, QUEUE)
+            .fold("keep", Keep::new(shards, Arc::clone(&self.store), manifest), QUEUE);
+        self.phase("infer", flow.meters(), |_| flow.run())
     }
 }
 
