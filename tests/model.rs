@@ -249,7 +249,10 @@ fn flipped_bits_never_panic() {
 
 #[test]
 fn keys_tell_models_and_engines_apart() {
-    let key = |name, backend| load(&tiny(name), backend).unwrap().key();
+    let key = |name, backend| {
+        let loaded = load(&tiny(name), backend).unwrap();
+        (loaded.key(), loaded.engine())
+    };
     assert_eq!(key("light3", Backend::Embedded), key("light3", Backend::Embedded));
     assert_ne!(key("light3", Backend::Embedded), key("sphere", Backend::Embedded));
     if backends().len() > 1 {

@@ -74,6 +74,25 @@ impl Error {
         Error::Context { doing: doing.into(), source: Box::new(self) }
     }
 
+    /// The file that is not what its format says it should be, if that is what is wrong.
+    pub fn malformed_file(&self) -> Option<&Path> {
+        match self {
+            Error::Malformed { path, .. } => Some(path),
+            Error::Context { source, .. } => source.malformed_file(),
+            _ => None,
+        }
+    }
+
+    /// Whether a disk is full.
+    pub fn is_disk_full(&self) -> bool {
+        let full = [std::io::ErrorKind::StorageFull, std::io::ErrorKind::QuotaExceeded];
+        match self {
+            Error::Io { source, .. } => full.contains(&source.kind()),
+            Error::Context { source, .. } => source.is_disk_full(),
+            _ => false,
+        }
+    }
+
     /// Whether the run was asked to stop, rather than broken.
     pub fn is_interrupt(&self) -> bool {
         match self {

@@ -17,6 +17,11 @@ impl Key {
         hasher.update_mmap(path).map_err(Error::io("read", path))?;
         Ok(Key(*hasher.finalize().as_bytes()))
     }
+
+    /// The key of a text.
+    pub fn of_text(text: &str) -> Key {
+        Key(*blake3::hash(text.as_bytes()).as_bytes())
+    }
 }
 
 impl fmt::Display for Key {

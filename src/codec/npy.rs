@@ -86,10 +86,7 @@ pub fn write_f32<W: Write>(out: W, shape: &[usize], values: &[f32]) -> io::Resul
 pub fn read_f32(path: &Path) -> Result<(Vec<usize>, Vec<f32>)> {
     let file = File::open(path).map_err(Error::io("open", path))?;
     let length = file.metadata().map_err(Error::io("read", path))?.len();
-    parse(BufReader::new(file), length).map_err(|fault| match fault {
-        Fault::Io(source) => Error::io("read", path)(source),
-        Fault::Found(found) => Error::malformed(path, found),
-    })
+    parse(BufReader::new(file), length).map_err(|fault| fault.of(path))
 }
 
 /// Reads an array of the shape `[n, columns]`: `n` rows, one after the other.
@@ -97,7 +94,18 @@ pub fn read_f32(path: &Path) -> Result<(Vec<usize>, Vec<f32>)> {
 /// # Errors
 /// As [`read_f32`], and any other shape.
 pub fn read_rows<const COLUMNS: usize>(path: &Path) -> Result<Vec<[f32; COLUMNS]>> {
-    let (shape, values) = read_f32(path)?;
+    rows(read_f32(path)?, path)
+}
+
+/// The same from a file's bytes; `path` is what errors name.
+///
+/// # Errors
+/// As [`read_rows`].
+pub fn rows_of<const COLUMNS: usize>(bytes: &[u8], path: &Path) -> Result<Vec<[f32; COLUMNS]>> {
+    rows(parse(bytes, bytes.len() as u64).map_err(|fault| fault.of(path))?, path)
+}
+
+fn rows<const COLUMNS: usize>((shape, values): (Vec<usize>, Vec<f32>), path: &Path) -> Result<Vec<[f32; COLUMNS]>> {
     if !matches!(shape[..], [_, columns] if columns == COLUMNS) {
         return Err(Error::malformed(path, format!("shape {shape:?}, where [n, {COLUMNS}] is needed")));
     }
@@ -109,6 +117,15 @@ pub fn read_rows<const COLUMNS: usize>(path: &Path) -> Result<Vec<[f32; COLUMNS]
 enum Fault {
     Io(io::Error),
     Found(String),
+}
+
+impl Fault {
+    fn of(self, path: &Path) -> Error {
+        match self {
+            Fault::Io(source) => Error::io("read", path)(source),
+            Fault::Found(found) => Error::malformed(path, found),
+        }
+    }
 }
 
 impl From<io::Error> for Fault {

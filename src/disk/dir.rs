@@ -97,6 +97,15 @@ impl Store for DirStore {
         Ok(names)
     }
 
+    fn rename(&self, from: &str, to: &str) -> Result<()> {
+        let (from, to) = (self.locate(from)?, self.locate(to)?);
+        if let Some(parent) = to.parent() {
+            make_folders(parent)?;
+        }
+        fs::rename(&from, &to).map_err(Error::io("rename", &from))?;
+        sync_folder_of(&to)
+    }
+
     fn remove(&self, name: &str) -> Result<()> {
         let path = self.locate(name)?;
         fs::remove_file(&path).map_err(Error::io("remove", &path))

@@ -82,6 +82,16 @@ impl Store for MemStore {
         Ok(self.files().keys().filter(|name| name.starts_with(&below)).cloned().collect())
     }
 
+    fn rename(&self, from: &str, to: &str) -> Result<()> {
+        check_name(from)?;
+        check_name(to)?;
+        let mut files = self.files();
+        let bytes = files.remove(from);
+        let bytes = bytes.ok_or_else(|| Error::io("rename", self.path(from))(io::ErrorKind::NotFound.into()))?;
+        files.insert(to.to_owned(), bytes);
+        Ok(())
+    }
+
     fn remove(&self, name: &str) -> Result<()> {
         check_name(name)?;
         let removed = self.files().remove(name);

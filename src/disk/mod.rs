@@ -15,17 +15,21 @@
 
 mod atomic;
 pub mod dir;
+#[cfg(test)]
+pub(crate) mod faulty;
 pub mod lock;
 pub mod manifest;
 pub mod mem;
+mod recipe;
 pub mod sealed;
 pub mod store;
 
 pub use atomic::{WriteSeek, write_atomic};
 pub use dir::DirStore;
 pub use lock::Lock;
-pub use manifest::{Manifest, Opening};
+pub use manifest::{Manifest, Opening, Unit};
 pub use mem::MemStore;
+pub use recipe::Recipe;
 pub use sealed::{Seal, Sealed, SealedWriter};
 pub use store::{Content, Draft, FileEntry, Store};
 

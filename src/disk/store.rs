@@ -35,6 +35,9 @@ pub trait Store: fmt::Debug + Send + Sync {
     /// The names of all committed files in a folder and below, sorted; `""` is the whole store.
     fn list(&self, folder: &str) -> Result<Vec<String>>;
 
+    /// Gives a committed file another name, in place of the file that has it.
+    fn rename(&self, from: &str, to: &str) -> Result<()>;
+
     /// Removes a committed file.
     fn remove(&self, name: &str) -> Result<()>;
 

@@ -29,14 +29,7 @@ struct Shared {
 
 impl Default for StopSignal {
     fn default() -> Self {
-        let (awake, wake) = crossbeam_channel::bounded(0);
-        StopSignal(Arc::new(Shared {
-            draining: Arc::default(),
-            halted: AtomicBool::new(false),
-            cause: Mutex::new(None),
-            awake: Mutex::new(Some(awake)),
-            wake,
-        }))
+        StopSignal::drained_by(Arc::default())
     }
 }
 
@@ -44,6 +37,22 @@ impl StopSignal {
     /// A signal that nobody has given yet.
     pub fn new() -> Self {
         Self::default()
+    }
+
+    /// A signal for another try: not halted, and drained by whatever drains this one.
+    pub fn again(&self) -> StopSignal {
+        StopSignal::drained_by(self.drain_flag())
+    }
+
+    fn drained_by(draining: Arc<AtomicBool>) -> StopSignal {
+        let (awake, wake) = crossbeam_channel::bounded(0);
+        StopSignal(Arc::new(Shared {
+            draining,
+            halted: AtomicBool::new(false),
+            cause: Mutex::new(None),
+            awake: Mutex::new(Some(awake)),
+            wake,
+        }))
     }
 
     /// Asks sources to end; what is in flight is finished and committed.
@@ -156,6 +165,16 @@ mod tests {
         stop.halt(Error::invalid("second"));
         assert_eq!(stop.take_cause().map(|e| e.to_string()).as_deref(), Some("first"));
         assert!(stop.take_cause().is_none());
+    }
+
+    #[test]
+    fn another_try_is_not_halted_but_still_drained() {
+        let stop = StopSignal::new();
+        stop.halt(Error::invalid("first"));
+        let again = stop.again();
+        assert!(!again.halted() && !again.draining() && again.take_cause().is_none());
+        stop.drain();
+        assert!(again.draining() && !again.halted());
     }
 
     #[test]

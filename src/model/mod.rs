@@ -8,7 +8,7 @@
 //!   session takes it: an engine always sees one fixed number of maps ([`Estimator::micro_batch`]), the rest of them
 //!   empty, and runs on the caller's thread alone.
 //! - The two engines agree to 1e-4, not to the bit, nor does one engine to the bit on processors of other instruction
-//!   sets. The engine is therefore part of [`Estimator::key`].
+//!   sets. What is made with a model is therefore known by its [`Estimator::key`] and its [`Estimator::engine`].
 //! - Memory is bounded by the model: its file (at most 1 GiB) and a few copies of its weights, plus the activations of
 //!   one micro-batch for each session ([`Estimator::memory`]). A model is a program: one that asks for huge
 //!   intermediate arrays gets them, so take models from where you take programs.
@@ -43,8 +43,11 @@ pub trait Estimator: Send + Sync {
     /// Model, engine, library and version, in one line for the log.
     fn describe(&self) -> String;
 
-    /// The key of the model's bytes and the engine: equal keys give equal materials for equal maps.
+    /// The key of the model's bytes. The same model on the same engine gives equal materials for equal maps.
     fn key(&self) -> Key;
+
+    /// The engine and its version.
+    fn engine(&self) -> String;
 
     /// Maps that go through the engine at once. A multiple of it wastes nothing.
     fn micro_batch(&self) -> usize;

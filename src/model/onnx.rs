@@ -39,8 +39,8 @@ pub(super) fn load(source: &ModelSource, backend: Backend, library: Option<&Path
     let (contract, proto) = Contract::read(source.label(), &bytes)?;
     let environment = std::env::var_os(library::VARIABLE);
     let (library, note) = library::open(&Choice::new(backend, library, environment.as_deref()))?;
-    let key = KeyBuilder::new("gonio model 1").field(&bytes);
-    let (size, engine) = (bytes.len() as u64, library.as_ref().map_or(embedded::VERSION.to_owned(), Library::version));
+    let key = KeyBuilder::new("gonio model 2").field(&bytes).finish();
+    let size = bytes.len() as u64;
     let on = match library {
         Some(library) => On::Runtime { library, bytes },
         None => {
@@ -50,7 +50,7 @@ pub(super) fn load(source: &ModelSource, backend: Backend, library: Option<&Path
             On::Embedded(plan)
         }
     };
-    let model = OnnxModel { key: key.field(engine.as_bytes()).finish(), contract, size, note, on };
+    let model = OnnxModel { key, contract, size, note, on };
     let mut tried = [Material::default()];
     let light = model.contract.light.then_some(UP.as_slice());
     model.session()?.estimate(&vec![0.0; model.contract.channels * BINS], light, &mut tried)?;
@@ -85,16 +85,24 @@ impl Estimator for OnnxModel {
         let Contract { model, kind, channels, light, version, .. } = &self.contract;
         let light = if *light { " and light" } else { "" };
         let model = format!("{} version {version} ({kind}, {channels} channels{light})", model.display());
-        let engine = match &self.on {
-            On::Embedded(_) => format!("{}, built in", embedded::VERSION),
-            On::Runtime { library, .. } => format!("{} from {}", library.version(), library.path.display()),
+        let place = match &self.on {
+            On::Embedded(_) => ", built in".to_owned(),
+            On::Runtime { library, .. } => format!(" from {}", library.path.display()),
         };
+        let engine = self.engine() + &place;
         let note = self.note.as_ref().map_or(String::new(), |note| format!("; {note}"));
         format!("{model} on {engine}{note}")
     }
 
     fn key(&self) -> Key {
         self.key
+    }
+
+    fn engine(&self) -> String {
+        match &self.on {
+            On::Embedded(_) => embedded::VERSION.to_owned(),
+            On::Runtime { library, .. } => library.version(),
+        }
     }
 
     fn micro_batch(&self) -> usize {

@@ -42,7 +42,7 @@ const UNKNOWN: Material = Material { kd: [0.216; 3], ks: [0.0; 3], r: 1.0 };
 /// No finished run, no frame of that name, a sky or angles that are no numbers, anything that cannot be read or written.
 pub fn render(pipeline: &Pipeline, frame: &str, light: Light, beside: bool, out: &Path) -> Result<()> {
     writable(out)?;
-    let (loaded, materials) = finished(pipeline)?;
+    let (loaded, materials, _) = finished(pipeline)?;
     let (_, posed) = loaded.frame(frame)?;
     let camera = posed.camera.down_scaled(pipeline.decode.downscale);
     let size = (camera.width, camera.height);

@@ -49,7 +49,7 @@ impl Progress {
         Self::default()
     }
 
-    /// Says which phases will come and how long the plan expects each to take.
+    /// Says which phases will come, in place of those that were to come, and how long the plan expects each to take.
     pub fn expect(&self, phases: &[(&str, Duration)]) {
         let phase = |&(name, expected): &(&str, Duration)| Phase {
             name: name.to_owned(),
@@ -57,7 +57,9 @@ impl Progress {
             state: State::Waiting,
             meters: Vec::new(),
         };
-        self.told().phases.extend(phases.iter().map(phase));
+        let mut told = self.told();
+        told.phases.retain(|p| p.state != State::Waiting);
+        told.phases.extend(phases.iter().map(phase));
     }
 
     /// Begins a phase, expected or not, and ends the one before it.

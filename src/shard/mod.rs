@@ -11,6 +11,7 @@
 pub mod accumulate;
 pub mod block;
 pub mod blocks;
+pub mod compact;
 pub mod format;
 pub mod merge;
 pub mod reader;

@@ -1,7 +1,6 @@
 //! Export: materials become files that viewers and renderers load.
 
-use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use glam::DVec3;
 use serde::Serialize;
@@ -12,7 +11,7 @@ use crate::base::{Error, Result};
 use crate::codec::glb;
 use crate::codec::image::to_srgb8;
 use crate::codec::ply::{self, FaceColumn, Values};
-use crate::disk::write_atomic;
+use crate::disk::{Draft, FileEntry, Recipe, Store};
 use crate::scene::evidence::Evidence;
 use crate::scene::{Material, Mesh};
 
@@ -63,22 +62,45 @@ impl Config {
     }
 }
 
-/// Writes the configured formats as `scene.*` into a folder, and gives their paths.
-pub fn write(config: &Config, mesh: &Mesh, materials: &Materials, folder: &Path) -> Result<Vec<PathBuf>> {
-    fs::create_dir_all(folder).map_err(Error::io("create folder", folder))?;
-    let one = |format: &Format| {
-        let path = folder.join("scene").with_extension(format.name());
+/// The kind of the units of exports, of which each format is one.
+pub const EXPORT: &str = "export";
+
+/// Version of what this stage makes of the tables; part of every export's recipe.
+const VERSION: u32 = 1;
+
+impl Format {
+    /// All of them.
+    pub const ALL: [Format; 2] = [Format::Ply, Format::Glb];
+
+    /// The file's name in a run's store.
+    pub fn file(self) -> String {
+        format!("export/scene.{}", self.name())
+    }
+}
+
+impl Config {
+    /// What a format's file is made of, given what the tables are made of.
+    pub fn recipe(&self, format: Format, tables: &Recipe) -> Recipe {
+        let recipe = Recipe::new(format!("{EXPORT} {}", format.name()));
+        let recipe = recipe.with("tables", tables.unit()).with("format", VERSION);
+        // Only what turns its axes depends on which way is up.
+        if format == Format::Glb { recipe.with("export.up", format!("{:?}", self.up)) } else { recipe }
+    }
+
+    /// Writes a format's file. Its name must be free.
+    pub fn write(&self, format: Format, mesh: &Mesh, materials: &Materials, store: &dyn Store) -> Result<FileEntry> {
+        let mut draft = store.create(&format.file())?;
+        let path = draft.path().to_owned();
         match format {
-            Format::Ply => write_ply(&path, mesh, materials)?,
-            Format::Glb => glb::write(&path, mesh, &materials.rows, DVec3::from(config.up))?,
+            Format::Ply => write_ply(&mut draft, &path, mesh, materials)?,
+            Format::Glb => glb::write(&mut draft, &path, mesh, &materials.rows, DVec3::from(self.up))?,
         }
-        Ok(path)
-    };
-    config.formats.iter().map(one).collect()
+        draft.commit()
+    }
 }
 
 /// The mesh with a material, its evidence and the diffuse colour on every face. Triangles without a material are grey.
-fn write_ply(path: &Path, mesh: &Mesh, materials: &Materials) -> Result<()> {
+fn write_ply(out: &mut Draft, path: &Path, mesh: &Mesh, materials: &Materials) -> Result<()> {
     let (rows, evidence) = (&materials.rows, &materials.evidence);
     let face = |name, values| FaceColumn { name, values };
     let mut columns: Vec<FaceColumn<'_>> = Vec::new();
@@ -92,7 +114,7 @@ fn write_ply(path: &Path, mesh: &Mesh, materials: &Materials) -> Result<()> {
         let shade = move |kd: f32| if kd.is_nan() { 128 } else { to_srgb8(kd) };
         columns.push(face(name, Values::U8(Box::new(move |t| shade(rows[t as usize][c])))));
     }
-    write_atomic(path, |mut out| ply::write_mesh(&mut out, mesh, &columns).map_err(Error::io("write", path)))
+    ply::write_mesh(out, mesh, &columns).map_err(Error::io("write", path))
 }
 
 #[cfg(test)]

@@ -7,12 +7,11 @@ use serde::{Deserialize, Serialize};
 use super::cast::Seen;
 use super::{Choice, Fault};
 use crate::base::ids::FrameId;
-use crate::base::key::Key;
 use crate::base::{Error, Result};
-use crate::disk::{FileEntry, Manifest, Store};
+use crate::disk::{Draft, FileEntry, Manifest, Recipe, Store};
 use crate::flow::{Budget, End, Fold, Meter, Outlet, Reservation, Skipped, Source};
 use crate::shard::format::Entry;
-use crate::shard::{Blocks, GroupRows};
+use crate::shard::{Blocks, GroupRows, Segment, compact};
 
 /// Section `[gather]`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -51,25 +50,20 @@ impl Config {
 /// Frames whose observations become one unit of work: its segments and its record.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Group {
-    /// Content key of all that the unit is made of.
-    pub key: Key,
+    /// All that the unit is made of.
+    pub recipe: Recipe,
     /// The frames, ascending.
     pub frames: Vec<FrameId>,
 }
 
 impl Group {
-    /// The unit's name in the manifest.
-    pub fn unit(&self) -> String {
-        format!("{UNIT}{}", self.key)
-    }
-
     fn file(&self, ending: &str) -> String {
-        format!("{SEGMENTS}{}{ending}", self.key)
+        format!("{SEGMENTS}{}{ending}", self.recipe.unit())
     }
 }
 
-/// How the names of map units begin.
-pub const UNIT: &str = "map-";
+/// The kind of the map side's units.
+pub const FRAMES: &str = "frames";
 
 /// The folder of segments in a run's store.
 pub const SEGMENTS: &str = "segments/";
@@ -147,7 +141,7 @@ impl Source for Frames<'_> {
 }
 
 /// Sums the rows of a group's frames and commits them as the group's unit. When memory is short it writes what it has as
-/// a segment and goes on: a unit may have many.
+/// a segment and goes on; in the end they become one, the same that would have been written with memory to spare.
 pub struct Gather<'a> {
     groups: &'a [Group],
     store: Arc<dyn Store>,
@@ -157,8 +151,9 @@ pub struct Gather<'a> {
     at: usize,
     taken: usize,
     rows: GroupRows,
-    files: Vec<FileEntry>,
-    blocks: Vec<Entry>,
+    /// The group's segments so far, each with its index, and how many were ever written.
+    segments: Vec<(FileEntry, Vec<Entry>)>,
+    written: usize,
     record: Record,
 }
 
@@ -171,38 +166,71 @@ impl<'a> Gather<'a> {
         budget: &Budget,
     ) -> Result<Self> {
         let reservation = budget.reserve("gather", 0)?;
-        let (rows, files, blocks, record) = Default::default();
-        Ok(Gather { groups, store, manifest, reservation, at: 0, taken: 0, rows, files, blocks, record })
+        let (rows, segments, record) = Default::default();
+        Ok(Gather { groups, store, manifest, reservation, at: 0, taken: 0, rows, segments, written: 0, record })
     }
 
     /// Writes what was gathered as a further segment of the group.
     fn spill(&mut self, meter: &Meter) -> Result<()> {
-        let name = self.groups[self.at].file(&format!("-{}{SEGMENT}", self.files.len()));
-        let draft = self.store.create(&name)?;
+        let draft = self.draft()?;
         let path = draft.path().to_owned();
         let (draft, index) = self.rows.write(draft).map_err(Error::io("write", path))?;
+        self.keep(draft, index, meter)?;
+        self.reservation.shrink(self.reservation.bytes());
+        Ok(())
+    }
+
+    /// Merges the group's segments until one is left.
+    fn compact(&mut self, meter: &Meter) -> Result<()> {
+        loop {
+            let sizes: Vec<u64> = self.segments.iter().map(|(file, _)| file.bytes).collect();
+            let mut picked = compact::next(&sizes);
+            if picked.is_empty() {
+                return Ok(());
+            }
+            picked.sort_unstable();
+            let parts: Vec<_> = picked.iter().rev().map(|&at| self.segments.swap_remove(at).0).collect();
+            let open = |file: &FileEntry| Segment::open(self.store.open(&file.name)?, &self.store.path(&file.name));
+            let opened: Vec<_> = parts.iter().map(open).collect::<Result<_>>()?;
+            let draft = self.draft()?;
+            let path = draft.path().to_owned();
+            let (draft, index) = compact::merge(&opened, draft, |why| Error::io("write", &path)(why))?;
+            self.keep(draft, index, meter)?;
+            drop(opened);
+            parts.iter().try_for_each(|file| self.store.remove(&file.name))?;
+        }
+    }
+
+    /// Begins a segment of the group.
+    fn draft(&mut self) -> Result<Draft> {
+        self.written += 1;
+        self.store.create(&self.groups[self.at].file(&format!("-{}{SEGMENT}", self.written)))
+    }
+
+    fn keep(&mut self, draft: Draft, index: Vec<Entry>, meter: &Meter) -> Result<()> {
         let file = draft.commit()?;
         meter.count_bytes(file.bytes);
-        self.record.records += index.iter().map(|block| u64::from(block.records)).sum::<u64>();
-        self.blocks.extend(index);
-        self.files.push(file);
-        self.reservation.shrink(self.reservation.bytes());
+        self.segments.push((file, index));
         Ok(())
     }
 
     /// Ends the group: segment, list of blocks, record, and last the manifest.
     fn commit(&mut self, meter: &Meter) -> Result<()> {
         self.spill(meter)?;
+        self.compact(meter)?;
         let group = &self.groups[self.at];
-        self.files.push(Blocks::write(&*self.store, &group.file(BLOCKS), &std::mem::take(&mut self.blocks))?);
+        let (mut files, indices): (Vec<_>, Vec<_>) = std::mem::take(&mut self.segments).into_iter().unzip();
+        let blocks = indices.concat();
+        files.push(Blocks::write(&*self.store, &group.file(BLOCKS), &blocks)?);
         self.record.frames = group.frames.len() as u64;
+        self.record.records = blocks.iter().map(|block| u64::from(block.records)).sum();
         let mut draft = self.store.create(&group.file(RECORD))?;
         let path = draft.path().to_owned();
         let record = std::mem::take(&mut self.record);
         serde_json::to_writer(&mut draft, &record).map_err(|e| Error::io("write", path)(e.into()))?;
-        self.files.push(draft.commit()?);
-        self.manifest.commit([(group.unit(), std::mem::take(&mut self.files))])?;
-        (self.at, self.taken) = (self.at + 1, 0);
+        files.push(draft.commit()?);
+        self.manifest.commit([(group.recipe.clone(), files)])?;
+        (self.at, self.taken, self.written) = (self.at + 1, 0, 0);
         Ok(())
     }
 }
@@ -259,7 +287,7 @@ mod tests {
     }
 
     fn group(frames: &[FrameId]) -> Group {
-        Group { key: Key([frames[0] as u8; 32]), frames: frames.to_vec() }
+        Group { recipe: Recipe::new(FRAMES).with("first", frames[0]), frames: frames.to_vec() }
     }
 
     /// Gathers two groups and gives the store, the manifest and the records.
@@ -280,21 +308,35 @@ mod tests {
     }
 
     fn maps(store: &dyn Store, manifest: &Manifest) -> (usize, ShardMaps) {
-        let files = manifest.units().values().flatten().filter(|f| f.name.ends_with(SEGMENT));
+        let files = manifest.units().values().flat_map(|unit| &unit.files).filter(|f| f.name.ends_with(SEGMENT));
         let segments: Vec<_> =
             files.map(|f| Segment::open(store.open(&f.name).unwrap(), Path::new(&f.name)).unwrap()).collect();
         (segments.len(), merge_shard(&segments, 0).unwrap())
     }
 
     #[test]
-    fn short_of_memory_it_writes_more_segments_and_the_same_sums() {
+    fn short_of_memory_it_writes_more_segments_and_in_the_end_the_same() {
         let (store, manifest) = gather(1 << 30, Some(seen(3, 0..300))).unwrap();
         let (segments, expected) = maps(&*store, &manifest);
         assert_eq!(segments, 2);
         assert_eq!(expected.triangles[7].1, 4, "four frames saw triangle 7");
+        let bytes = |store: &dyn Store, manifest: &Manifest| -> Vec<Vec<u8>> {
+            let files = manifest.units().values().flat_map(|unit| &unit.files);
+            let of = |ending: &str| -> Vec<Vec<u8>> {
+                files
+                    .clone()
+                    .filter(|f| f.name.ends_with(ending))
+                    .map(|f| store.open(&f.name).unwrap().to_vec())
+                    .collect()
+            };
+            [of(SEGMENT), of(BLOCKS), of(RECORD)].concat()
+        };
+        let whole = bytes(&*store, &manifest);
         let frame = seen(0, 0..300).rows.unwrap().bytes();
         let (store, manifest) = gather(frame + 1, Some(seen(3, 0..300))).unwrap();
-        assert_eq!(maps(&*store, &manifest), (4, expected));
+        assert_eq!(maps(&*store, &manifest), (2, expected));
+        assert!(bytes(&*store, &manifest) == whole);
+        assert_eq!(store.list("segments").unwrap().len(), 6, "what was merged is gone");
         assert!(gather(frame - 1, None).is_err(), "less than one frame cannot work");
     }
 
@@ -303,7 +345,7 @@ mod tests {
         let why = Skipped { item: "d.jpg".into(), why: "torn".into(), replay: "gonio".into() };
         let last = Seen { frame: 3, rows: Err(why.clone()), rays: 0, observations: 0 };
         let (store, manifest) = gather(1 << 30, Some(last)).unwrap();
-        let record = read_record(&*store, manifest.files(&group(&[2, 3]).unit()).unwrap()).unwrap();
+        let record = read_record(&*store, manifest.files(&group(&[2, 3]).recipe.unit()).unwrap()).unwrap();
         assert_eq!((record.frames, record.rays, record.records), (2, 1000, 300));
         assert_eq!(record.skipped, [SkippedFrame::from(why)]);
     }
@@ -311,6 +353,6 @@ mod tests {
     #[test]
     fn a_group_cut_short_is_not_committed() {
         let (_, manifest) = gather(1 << 30, None).unwrap();
-        assert_eq!(manifest.units().keys().collect::<Vec<_>>(), [&group(&[0, 1]).unit()]);
+        assert_eq!(manifest.units().keys().collect::<Vec<_>>(), [&group(&[0, 1]).recipe.unit()]);
     }
 }

@@ -51,9 +51,9 @@ impl Materials {
     }
 }
 
-/// How the name of the unit of both tables begins.
-pub const UNIT: &str = "tables-";
-/// Version of what this stage makes of the shards' rows; part of the tables' key.
+/// The unit of both tables.
+pub const TABLES: &str = "tables";
+/// Version of what this stage makes of the shards' rows; part of the tables' recipe.
 pub const VERSION: u32 = 1;
 /// The table of materials, [F,7].
 pub const MATERIALS: &str = "materials.npy";

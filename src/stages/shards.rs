@@ -4,14 +4,13 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use crate::base::key::Key;
 use crate::base::{Error, Result};
-use crate::disk::{FileEntry, Manifest, Store};
+use crate::disk::{FileEntry, Manifest, Recipe, Store};
 use crate::flow::{End, Fold, Meter, Outlet, Source};
 use crate::shard::{Segment, ShardMaps, ShardRows, merge_shard};
 
-/// How the names of shards' units begin.
-pub const UNIT: &str = "shard-";
+/// The kind of the reduce side's units.
+pub const SHARD: &str = "shard";
 
 /// The folder of shards in a run's store.
 pub const SHARDS: &str = "shards/";
@@ -21,18 +20,13 @@ pub const SHARDS: &str = "shards/";
 pub struct Shard {
     /// Which one.
     pub number: u32,
-    /// Content key of all that its rows are made of.
-    pub key: Key,
+    /// All that its rows are made of.
+    pub recipe: Recipe,
 }
 
 impl Shard {
-    /// The unit's name in the manifest.
-    pub fn unit(&self) -> String {
-        format!("{UNIT}{}", self.key)
-    }
-
     fn file(&self) -> String {
-        format!("{SHARDS}{}.rows", self.key)
+        format!("{SHARDS}{}.rows", self.recipe.unit())
     }
 
     /// Reads its rows, which a run has kept.
@@ -79,7 +73,7 @@ pub struct Keep<'a> {
     store: Arc<dyn Store>,
     manifest: &'a mut Manifest,
     /// Shards whose files are there and which the manifest does not name yet.
-    waiting: Vec<(String, Vec<FileEntry>)>,
+    waiting: Vec<(Recipe, Vec<FileEntry>)>,
     taken: usize,
     committed: Instant,
 }
@@ -107,7 +101,7 @@ impl Fold for Keep<'_> {
         self.taken += 1;
         let file = rows.write(&*self.store, &shard.file())?;
         meter.count_bytes(file.bytes);
-        self.waiting.push((shard.unit(), vec![file]));
+        self.waiting.push((shard.recipe.clone(), vec![file]));
         if self.waiting.len() >= MOST || self.committed.elapsed() >= PATIENCE { self.commit() } else { Ok(()) }
     }
 
@@ -123,7 +117,7 @@ mod tests {
     use crate::disk::MemStore;
 
     fn shard(number: u32) -> Shard {
-        Shard { number, key: Key([number as u8; 32]) }
+        Shard { number, recipe: Recipe::new(format!("{SHARD} {number}")) }
     }
 
     fn open(store: &MemStore) -> Manifest {
@@ -144,7 +138,7 @@ mod tests {
         keep.take(rows(5), &meter).unwrap();
         keep.finish(End::Drained, &meter).unwrap();
         let mut manifest = open(&store);
-        assert!(manifest.units().keys().eq([shards[0].unit(), shards[1].unit()].iter()));
+        assert!(shards[..2].iter().all(|s| manifest.files(&s.recipe.unit()).is_some()) && manifest.units().len() == 2);
         assert_eq!(shards[1].rows(&store).unwrap(), rows(5));
         let mut keep = Keep::new(&shards[2..], Arc::new(store.clone()), &mut manifest);
         assert!(keep.take(rows(3), &meter).is_err(), "not its turn");
@@ -162,7 +156,9 @@ mod tests {
             let manifest = open(&store);
             let done = manifest.units().len();
             assert!(done <= taken && taken - done < MOST, "{done} of {taken}");
-            assert!(shards[..done].iter().all(|s| s.rows(&store).is_ok() && manifest.files(&s.unit()).is_some()));
+            assert!(
+                shards[..done].iter().all(|s| s.rows(&store).is_ok() && manifest.files(&s.recipe.unit()).is_some())
+            );
             assert_eq!(store.list("shards").unwrap().len(), done, "what the manifest does not name is swept");
         }
     }

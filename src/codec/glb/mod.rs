@@ -19,13 +19,13 @@ mod container;
 mod tests;
 mod texels;
 
+use std::io::Write;
 use std::path::Path;
 
 use glam::{DQuat, DVec3, Vec3};
 use serde_json::{Value, json};
 
 use crate::base::{Error, Result};
-use crate::disk::write_atomic;
 use crate::scene::{Material, Mesh};
 use container::{Container, View};
 use texels::Texels;
@@ -36,11 +36,12 @@ const FLOAT: u32 = 5126;
 const NEAREST: u32 = 9728;
 const CLAMP_TO_EDGE: u32 = 33_071;
 
-/// Writes a mesh with a material on every triangle, in place of what is there. `up` is any vector but 0.
+/// Writes a mesh with a material on every triangle. `up` is any vector but 0, `path` is what errors name; `out` had better
+/// be buffered.
 ///
 /// # Errors
 /// More triangles than 4 GiB, the format's limit, or its textures can hold; anything that cannot be written.
-pub fn write(path: &Path, mesh: &Mesh, rows: &[[f32; Material::LEN]], up: DVec3) -> Result<()> {
+pub fn write(out: &mut impl Write, path: &Path, mesh: &Mesh, rows: &[[f32; Material::LEN]], up: DVec3) -> Result<()> {
     let too_many = || {
         let count = mesh.len();
         Error::invalid(format!("{}: {count} triangles do not fit into one GLB: export PLY instead", path.display()))
@@ -53,20 +54,18 @@ pub fn write(path: &Path, mesh: &Mesh, rows: &[[f32; Material::LEN]], up: DVec3)
     let corners = 3 * mesh.len() as u64;
     let lengths = [corners * 12, corners * 8].into_iter().chain(images.iter().map(|i| i.len() as u64));
     let container = Container::new(lengths, |views| document(mesh, up, views)).ok_or_else(too_many)?;
-    write_atomic(path, |out| {
-        let mut all = || {
-            container.start(out)?;
-            for t in 0..mesh.len() as u32 {
-                mesh.corners(t).iter().flat_map(|p| p.to_array()).try_for_each(|v| out.write_all(&v.to_le_bytes()))?;
-            }
-            for t in 0..mesh.len() as u32 {
-                let uv = texels.centre(t).map(f32::to_le_bytes);
-                (0..3).try_for_each(|_| out.write_all(uv.as_flattened()))?;
-            }
-            images.iter().try_for_each(|image| container.padded(out, image))
-        };
-        all().map_err(Error::io("write", path))
-    })
+    let mut all = || {
+        container.start(out)?;
+        for t in 0..mesh.len() as u32 {
+            mesh.corners(t).iter().flat_map(|p| p.to_array()).try_for_each(|v| out.write_all(&v.to_le_bytes()))?;
+        }
+        for t in 0..mesh.len() as u32 {
+            let uv = texels.centre(t).map(f32::to_le_bytes);
+            (0..3).try_for_each(|_| out.write_all(uv.as_flattened()))?;
+        }
+        images.iter().try_for_each(|image| container.padded(out, image))
+    };
+    all().map_err(Error::io("write", path))
 }
 
 /// The JSON of a file whose views are positions, texture coordinates and the three images.

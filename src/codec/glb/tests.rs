@@ -19,10 +19,8 @@ fn number(bytes: &[u8], at: usize) -> usize {
 
 /// The document and the binary chunk of a file.
 fn written(mesh: &Mesh, rows: &[[f32; Material::LEN]], up: DVec3) -> (Value, Vec<u8>) {
-    let dir = tempfile::tempdir().unwrap();
-    let path = dir.path().join("scene.glb");
-    write(&path, mesh, rows, up).unwrap();
-    let bytes = std::fs::read(path).unwrap();
+    let mut bytes = Vec::new();
+    write(&mut bytes, Path::new("scene.glb"), mesh, rows, up).unwrap();
     assert_eq!((&bytes[..4], number(&bytes, 4), number(&bytes, 8)), (&b"glTF"[..], 2, bytes.len()));
     let json = number(&bytes, 12);
     assert_eq!((&bytes[16..20], json % 4), (&b"JSON"[..], 0));

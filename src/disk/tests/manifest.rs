@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::{mangle, on_each_store, put};
-use crate::disk::{FileEntry, Manifest, MemStore, Opening, Store};
+use crate::disk::{FileEntry, Manifest, MemStore, Opening, Recipe, Store, Unit};
 
 const OWNED: [&str; 2] = ["segments/", "scene.cache"];
 
@@ -11,13 +11,21 @@ fn open(store: &Arc<dyn Store>) -> (Manifest, Opening) {
     Manifest::open(Arc::clone(store), &OWNED).unwrap()
 }
 
+fn map(number: u32) -> Recipe {
+    Recipe::new("map").with("number", number)
+}
+
+fn scene() -> Recipe {
+    Recipe::new("scene")
+}
+
 /// A run with two units and three files.
 fn two_units(store: &Arc<dyn Store>) -> Manifest {
     let (mut manifest, opening) = open(store);
     assert_eq!(opening, Opening::default());
     let files = vec![put(&**store, "segments/a.seg", b"aa"), put(&**store, "segments/b.seg", b"")];
-    manifest.commit([("map-1".to_owned(), files)]).unwrap();
-    manifest.commit([("scene".to_owned(), vec![put(&**store, "scene.cache", b"cache")])]).unwrap();
+    manifest.commit([(map(1), files)]).unwrap();
+    manifest.commit([(scene(), vec![put(&**store, "scene.cache", b"cache")])]).unwrap();
     manifest
 }
 
@@ -33,12 +41,13 @@ fn what_is_named_survives_and_the_rest_is_swept() {
             mangle(&*store, "photo.jpg", b"the user's own");
             let (manifest, opening) = open(&store);
             assert_eq!(manifest.units(), &units);
-            assert_eq!(manifest.files("map-1").map(<[_]>::len), Some(2));
-            assert!(manifest.files("map-2").is_none());
+            assert_eq!(manifest.files(&map(1).unit()).map(<[_]>::len), Some(2));
+            assert!(manifest.files(&map(2).unit()).is_none());
             assert!(opening.lost.is_empty() && opening.set_aside.is_none());
             let committed = opening.swept.iter().filter(|name| name.ends_with(".seg")).collect::<Vec<_>>();
             assert_eq!(committed, ["segments/c.seg", "segments/deep/d.seg"]);
-            let kept = ["manifest.json", "photo.jpg", "scene.cache", "segments/a.seg", "segments/b.seg"];
+            let kept =
+                ["manifest.copy.json", "manifest.json", "photo.jpg", "scene.cache", "segments/a.seg", "segments/b.seg"];
             assert_eq!(store.list("").unwrap(), kept);
         }
     });
@@ -60,9 +69,10 @@ fn units_with_missing_files_are_lost_and_named() {
         mangle(&*store, "scene.cache", b"longer than it was");
         let (manifest, opening) = open(&store);
         assert!(manifest.units().is_empty());
-        let lost = [("map-1", "segments/b.seg is not there"), ("scene", "scene.cache has 18 bytes instead of 5")];
-        assert_eq!(opening.lost, lost.map(|(unit, why)| (unit.to_owned(), why.to_owned())));
-        assert_eq!(opening.swept, ["segments/a.seg", "scene.cache"]);
+        let lost = [(map(1), "segments/b.seg is not there"), (scene(), "scene.cache has 18 bytes instead of 5")];
+        assert_eq!(opening.lost, lost.map(|(recipe, why)| (recipe.unit(), why.to_owned())));
+        assert_eq!(opening.swept, ["segments/a.seg"]);
+        assert_eq!(&*store.open("corrupt/scene.cache").unwrap(), b"longer than it was");
         assert_eq!(open(&store).1, Opening::default(), "it is reported once");
     });
 }
@@ -93,16 +103,45 @@ fn every_truncation_and_every_flipped_bit_is_set_aside_or_refused() {
 }
 
 #[test]
-fn a_corrupt_manifest_is_named_and_set_aside() {
-    for garbage in [&b""[..], b"{", b"[]", b"\xff\xfe", b"{\"version\": 1}", &[b'['; 100_000]] {
+fn a_corrupt_manifest_is_named_and_set_aside_and_its_copy_stands_in() {
+    for garbage in [&b""[..], b"{", b"[]", b"\xff\xfe", b"{\"version\": 2}", &[b'['; 100_000]] {
         on_each_store(|store| {
-            two_units(&store);
+            let units = two_units(&store).units().clone();
             mangle(&*store, "manifest.json", garbage);
             assert!(Manifest::read(Arc::clone(&store)).is_err());
             let (manifest, opening) = open(&store);
             let (name, why) = opening.set_aside.unwrap();
-            assert!(manifest.units().is_empty() && !why.is_empty());
+            assert!(opening.copied && opening.swept.is_empty() && !why.is_empty());
+            assert_eq!(manifest.units(), &units);
             assert_eq!(&*store.open(&name).unwrap(), garbage);
+            assert_eq!(open(&store).1, Opening::default(), "it is reported once");
+        });
+    }
+}
+
+#[test]
+fn a_copy_that_is_one_commit_behind_loses_that_one_alone() {
+    on_each_store(|store| {
+        let mut manifest = two_units(&store);
+        let before = manifest.units().clone();
+        let copy = store.open("manifest.copy.json").unwrap().to_vec();
+        manifest.commit([(map(2), vec![put(&*store, "segments/c.seg", b"c")])]).unwrap();
+        mangle(&*store, "manifest.copy.json", &copy);
+        mangle(&*store, "manifest.json", b"{");
+        let (manifest, opening) = open(&store);
+        assert_eq!((manifest.units(), opening.swept), (&before, vec!["segments/c.seg".to_owned()]));
+    });
+}
+
+#[test]
+fn without_a_sound_copy_all_units_are_lost() {
+    for copy in [&b"{"[..], br#"{"version": 7}"#] {
+        on_each_store(|store| {
+            two_units(&store);
+            mangle(&*store, "manifest.json", b"{");
+            mangle(&*store, "manifest.copy.json", copy);
+            let (manifest, opening) = open(&store);
+            assert!(manifest.units().is_empty() && !opening.copied && opening.set_aside.is_some());
             assert_eq!(opening.swept.len(), 3);
             assert_eq!(open(&store).1, Opening::default(), "it is reported once");
         });
@@ -110,13 +149,28 @@ fn a_corrupt_manifest_is_named_and_set_aside() {
 }
 
 #[test]
+fn a_corrupt_file_is_kept_and_its_unit_forgotten() {
+    on_each_store(|store| {
+        let mut manifest = two_units(&store);
+        assert_eq!(manifest.set_aside(&store.path("photo.jpg")).unwrap(), None);
+        let found = manifest.set_aside(&store.path("segments/a.seg")).unwrap();
+        assert_eq!(found, Some((map(1).unit(), "corrupt/a.seg".to_owned())));
+        let kept = ["corrupt/a.seg", "manifest.copy.json", "manifest.json", "scene.cache"];
+        assert_eq!(store.list("").unwrap(), kept);
+        let (again, opening) = open(&store);
+        assert_eq!((again.units(), opening), (manifest.units(), Opening::default()));
+        assert!(again.of_kind("map").next().is_none() && again.of_kind("scene").count() == 1);
+    });
+}
+
+#[test]
 fn another_version_is_refused_and_nothing_is_swept() {
     on_each_store(|store| {
         two_units(&store);
         let before = store.list("").unwrap();
-        mangle(&*store, "manifest.json", br#"{"version": 2, "anything": "else"}"#);
+        mangle(&*store, "manifest.json", br#"{"version": 3, "anything": "else"}"#);
         let why = Manifest::open(Arc::clone(&store), &OWNED).unwrap_err().to_string();
-        assert!(why.contains("manifest.json: a manifest of version 2; this gonio reads version 1: use"), "{why}");
+        assert!(why.contains("manifest.json: a manifest of version 3; this gonio reads version 2: use"), "{why}");
         assert_eq!(store.list("").unwrap(), before);
     });
 }
@@ -133,20 +187,20 @@ fn a_unit_is_committed_once_and_only_with_its_files() {
             vec![entry]
         };
         let refused = [
-            ("scene", vec![seg.clone()], "is committed already"),
-            ("map-2", other(&|f| f.bytes = 2), "has 1 bytes instead of 2"),
-            ("map-2", other(&|f| f.name = "segments/x.seg".into()), "is not there"),
-            ("map-2", other(&|f| f.name = "../x".into()), "is no name"),
-            ("map-2", vec![seg.clone(), seg.clone()], "is named twice"),
-            ("map-2", manifest.files("scene").unwrap().to_vec(), "scene.cache is named twice"),
+            (scene(), vec![seg.clone()], "is committed already"),
+            (map(2), other(&|f| f.bytes = 2), "has 1 bytes instead of 2"),
+            (map(2), other(&|f| f.name = "segments/x.seg".into()), "is not there"),
+            (map(2), other(&|f| f.name = "../x".into()), "is no name"),
+            (map(2), vec![seg.clone(), seg.clone()], "is named twice"),
+            (map(2), manifest.files(&scene().unit()).unwrap().to_vec(), "scene.cache is named twice"),
         ];
         for (unit, files, words) in refused {
-            let why = manifest.commit([(unit.to_owned(), files)]).unwrap_err().to_string();
+            let why = manifest.commit([(unit, files)]).unwrap_err().to_string();
             assert!(why.contains(words), "{why}");
             assert_eq!(manifest.units().len(), 2);
             assert_eq!(&*store.open("manifest.json").unwrap(), before);
         }
-        manifest.commit([("map-2".to_owned(), vec![seg]), ("empty".to_owned(), vec![])]).unwrap();
+        manifest.commit([(map(2), vec![seg]), (Recipe::new("empty"), vec![])]).unwrap();
         assert_eq!(open(&store).0.units(), manifest.units());
     });
 }
@@ -155,11 +209,11 @@ fn a_unit_is_committed_once_and_only_with_its_files() {
 fn a_forgotten_unit_takes_its_files_along() {
     on_each_store(|store| {
         let mut manifest = two_units(&store);
-        manifest.forget(["map-1", "never was"]).unwrap();
-        assert_eq!(store.list("").unwrap(), ["manifest.json", "scene.cache"]);
+        manifest.forget([map(1).unit().as_str(), "never was"]).unwrap();
+        assert_eq!(store.list("").unwrap(), ["manifest.copy.json", "manifest.json", "scene.cache"]);
         assert_eq!(open(&store).0.units(), manifest.units());
         let again = vec![put(&*store, "segments/a.seg", b"again")];
-        manifest.commit([("map-1".to_owned(), again)]).unwrap();
+        manifest.commit([(map(1), again)]).unwrap();
     });
 }
 
@@ -167,12 +221,18 @@ fn a_forgotten_unit_takes_its_files_along() {
 fn names_in_a_manifest_cannot_leave_the_store() {
     on_each_store(|store| {
         let escape = FileEntry { name: "../../x".into(), bytes: 1, checksum: String::new() };
-        let units: super::super::manifest::Units = [("u".to_owned(), vec![escape])].into();
-        let sum = blake3::hash(&serde_json::to_vec(&units).unwrap()).to_hex();
-        let text = serde_json::json!({"version": 1, "checksum": sum.as_str(), "units": units}).to_string();
-        mangle(&*store, "manifest.json", text.as_bytes());
-        let (_, why) = open(&store).1.set_aside.unwrap();
+        let refused = |name: String, unit: Unit| {
+            let units: super::super::manifest::Units = [(name, unit)].into();
+            let sum = blake3::hash(&serde_json::to_vec(&units).unwrap()).to_hex();
+            let text = serde_json::json!({"version": 2, "checksum": sum.as_str(), "units": units}).to_string();
+            mangle(&*store, "manifest.json", text.as_bytes());
+            mangle(&*store, "manifest.copy.json", text.as_bytes());
+            open(&store).1.set_aside.unwrap().1
+        };
+        let why = refused(scene().unit(), Unit { recipe: scene(), files: vec![escape] });
         assert!(why.contains("is no name for a file of a run"), "{why}");
+        let why = refused(map(1).unit(), Unit { recipe: map(2), files: vec![] });
+        assert!(why.contains("is not what its name says"), "{why}");
     });
 }
 

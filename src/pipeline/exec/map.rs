@@ -42,7 +42,7 @@ impl Run<'_> {
         let downscale = pipeline.decode.downscale;
         let cast = Cast { frames: &loaded.frames, mesh: &loaded.mesh, bvh: &bvh, tile, downscale };
         let gather = Gather::new(&to_do, Arc::clone(&self.store), manifest, &self.budget)?;
-        let flow = Flow::source(self.stop, "frames", Frames { groups: &to_do })
+        let flow = Flow::source(&self.stop, "frames", Frames { groups: &to_do })
             .map("decode", decode, self.threads, QUEUE)
             .map("cast", cast, self.threads, QUEUE)
             .fold("gather", gather, QUEUE);
@@ -54,9 +54,9 @@ impl Run<'_> {
     /// Adds up what the groups' records say.
     fn count(&mut self, groups: &[Group], cast: &[Group], manifest: &Manifest) -> Result<()> {
         for group in groups {
-            let files = manifest.files(&group.unit()).unwrap_or_default();
+            let files = manifest.files(&group.recipe.unit()).unwrap_or_default();
             let record: Record = read_record(&*self.store, files)?;
-            if cast.iter().any(|c| c.key == group.key) {
+            if cast.contains(group) {
                 self.report.rays += record.rays;
             }
             self.report.observations += record.observations;
@@ -80,7 +80,7 @@ impl Run<'_> {
 
 /// Opens the segments of these groups.
 pub fn segments(store: &dyn Store, manifest: &Manifest, groups: &[Group]) -> Result<Vec<Segment<Content>>> {
-    let files = groups.iter().filter_map(|g| manifest.files(&g.unit())).flatten();
+    let files = groups.iter().filter_map(|g| manifest.files(&g.recipe.unit())).flatten();
     files
         .filter(|file| file.name.ends_with(SEGMENT))
         .map(|file| Segment::open(store.open(&file.name)?, &store.path(&file.name)))

@@ -1,10 +1,15 @@
 //! Runs a pipeline: the map side, from frames to segments, then the reduce side, from segments to materials, then the
 //! exports. What the manifest already has is not done again.
 
+mod export;
 mod map;
 mod reduce;
+#[cfg(test)]
+mod tests;
 
-use std::path::{Path, PathBuf};
+use std::collections::BTreeSet;
+use std::io::Write;
+use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -12,35 +17,36 @@ use super::plan::Inputs;
 use super::report::{Phase, Stage, Triangles};
 use super::scene::Loaded;
 use super::{Pipeline, Plan, Progress, Report, resume};
+use crate::base::units::Bytes;
 use crate::base::{Error, Result};
-use crate::disk::{DirStore, Lock, Manifest, Store};
+use crate::disk::{DirStore, Lock, Manifest, Opening, Store};
 use crate::flow::{Budget, Meter, StopSignal};
 use crate::model::{self, Estimator};
 use crate::scene::evidence::Filled;
 use crate::scene::reflectance::Kind;
-use crate::stages::export;
-use crate::stages::gather::{self, SEGMENTS};
-use crate::stages::merge::{EVIDENCE, MATERIALS, Materials};
+use crate::stages::export::Format;
+use crate::stages::gather::{FRAMES, SEGMENTS};
+use crate::stages::merge::{EVIDENCE, MATERIALS};
 use crate::stages::shards::SHARDS;
 use crate::synth::city;
 
+pub use export::{export, finished};
 pub use map::segments;
-pub use reduce::read_materials;
 
 /// What the run did.
 const REPORT: &str = "report.json";
-/// The folder of exports.
-const EXPORT: &str = "export";
 
 /// A run under way: what its phases share.
 struct Run<'a> {
     pipeline: &'a Pipeline,
-    stop: &'a StopSignal,
+    stop: StopSignal,
     progress: &'a Progress,
     store: Arc<dyn Store>,
     budget: Budget,
     threads: usize,
     report: Report,
+    /// Bytes that the run is expected to leave on the disk.
+    disk: u64,
 }
 
 /// Runs or resumes the pipeline to its end.
@@ -48,50 +54,44 @@ struct Run<'a> {
 /// # Errors
 /// Whatever breaks the run; `Error::Interrupted` if it was asked to stop.
 pub fn run(pipeline: &Pipeline, stop: &StopSignal, progress: &Progress) -> Result<Report> {
+    let _lock = Lock::acquire(&pipeline.run.work)?;
+    run_on(Arc::new(DirStore::new(&pipeline.run.work)), pipeline, stop, progress)
+}
+
+/// Runs the pipeline on the store of its folder, which is locked. A file that turns out to be corrupt is set aside, and
+/// what it belonged to is done again: at once, and once for each file.
+fn run_on(store: Arc<dyn Store>, pipeline: &Pipeline, stop: &StopSignal, progress: &Progress) -> Result<Report> {
     let started = Instant::now();
-    let work = &pipeline.run.work;
-    let _lock = Lock::acquire(work)?;
-    let store: Arc<dyn Store> = Arc::new(DirStore::new(work));
-    let (mut manifest, opening) = Manifest::open(Arc::clone(&store), &[SEGMENTS, SHARDS, MATERIALS, EVIDENCE])?;
-    if let Some((file, why)) = &opening.set_aside {
-        progress.note(format!("the manifest could not be used and is now {file}: {why}"));
+    let mut manifest = open(&store, progress)?;
+    let mut repaired = BTreeSet::new();
+    loop {
+        let run = Run::new(Arc::clone(&store), pipeline, &stop.again(), progress);
+        let why = match run.attempt(&mut manifest, started) {
+            Ok(report) => return Ok(report),
+            Err(why) => why,
+        };
+        let Some(file) = why.malformed_file().filter(|file| repaired.insert(file.to_path_buf())) else {
+            return Err(why);
+        };
+        let Some((unit, kept)) = manifest.set_aside(file)? else { return Err(why) };
+        progress.note(format!("unit {unit} is done again, its corrupt file is now {kept}: {why}"));
     }
-    for (unit, why) in &opening.lost {
+}
+
+/// Opens the manifest of a run, and tells what was found to be wrong.
+fn open(store: &Arc<dyn Store>, progress: &Progress) -> Result<Manifest> {
+    let exports = Format::ALL.map(Format::file);
+    let mut owned = vec![SEGMENTS, SHARDS, MATERIALS, EVIDENCE];
+    owned.extend(exports.iter().map(String::as_str));
+    let (manifest, Opening { set_aside, copied, lost, .. }) = Manifest::open(Arc::clone(store), &owned)?;
+    if let Some((file, why)) = set_aside {
+        let then = if copied { "its copy stands in for it" } else { "everything is done again" };
+        progress.note(format!("the manifest could not be used and is now {file}, {then}: {why}"));
+    }
+    for (unit, why) in lost {
         progress.note(format!("unit {unit} is done again: {why}"));
     }
-    let budget = Budget::new(pipeline.run.memory, stop);
-    let report = Report { gonio: env!("CARGO_PKG_VERSION").into(), ..Report::default() };
-    let mut run = Run { pipeline, stop, progress, store, budget, threads: 0, report };
-
-    if let Some(synth) = &pipeline.synth {
-        let made = |run: &mut Run<'_>| city::generate_if_needed(&synth.into, &synth.city, &|| run.stop.draining());
-        run.phase("synth", vec![], made)?;
-    }
-    // The network is tried before anything costly starts.
-    let estimator = estimator(pipeline)?;
-    run.report.backend = estimator.describe();
-    let (loaded, groups) = run.phase("load", vec![], |run| {
-        let loaded = Loaded::read(run.pipeline)?;
-        let plan = Plan::new(run.pipeline, Inputs::of(run.pipeline, &loaded, &*estimator)?);
-        plan.fits()?;
-        run.threads = plan.inputs.threads as usize;
-        let later = plan.phases.iter().filter(|p| p.name != "load");
-        let expected: Vec<_> = later.map(|p| (p.name, Duration::from_secs_f64(p.seconds))).collect();
-        run.progress.expect(&expected);
-        let groups = resume::groups(run.pipeline, loaded.mesh_key, &loaded.frames);
-        Ok((loaded, groups))
-    })?;
-    resume::forget_others(&mut manifest, gather::UNIT, |unit| groups.iter().any(|g| g.unit() == unit))?;
-
-    run.map(&loaded, &groups, &mut manifest)?;
-    let (materials, held) = run.reduce(&loaded, &groups, &*estimator, &mut manifest)?;
-    run.phase("export", vec![], |run| {
-        let folder = run.pipeline.run.work.join(EXPORT);
-        run.report.outputs = export::write(&run.pipeline.export, &loaded.mesh, &materials, &folder)?;
-        Ok(())
-    })?;
-    drop(held);
-    run.finish(&loaded, &materials, started)
+    Ok(manifest)
 }
 
 /// Loads the network and checks that it eats what scenes give.
@@ -108,7 +108,65 @@ pub fn estimator(pipeline: &Pipeline) -> Result<Box<dyn Estimator>> {
     Ok(estimator)
 }
 
-impl Run<'_> {
+impl<'a> Run<'a> {
+    fn new(store: Arc<dyn Store>, pipeline: &'a Pipeline, stop: &StopSignal, progress: &'a Progress) -> Self {
+        let budget = Budget::new(pipeline.run.memory, stop);
+        let report = Report { gonio: env!("CARGO_PKG_VERSION").into(), ..Report::default() };
+        Run { pipeline, stop: stop.clone(), progress, store, budget, threads: 0, report, disk: 0 }
+    }
+
+    /// Goes on from what the manifest has to the end.
+    fn attempt(mut self, manifest: &mut Manifest, started: Instant) -> Result<Report> {
+        let done = self.do_all(manifest).and_then(|()| self.write_report(started));
+        done.map_err(|why| self.told_if_full(why, manifest))?;
+        Ok(self.report)
+    }
+
+    fn write_report(&mut self, started: Instant) -> Result<()> {
+        self.report.memory_peak = self.budget.peak();
+        self.report.seconds = started.elapsed().as_secs_f64();
+        let mut draft = self.store.create(REPORT)?;
+        serde_json::to_writer_pretty(&mut draft, &self.report)
+            .map_err(std::io::Error::from)
+            .and_then(|()| draft.write_all(b"\n"))
+            .map_err(Error::io("write", self.store.path(REPORT)))?;
+        draft.replace().map(drop)
+    }
+
+    fn do_all(&mut self, manifest: &mut Manifest) -> Result<()> {
+        if let Some(synth) = &self.pipeline.synth {
+            let made = |run: &mut Self| city::generate_if_needed(&synth.into, &synth.city, &|| run.stop.draining());
+            self.phase("synth", vec![], made)?;
+        }
+        // The network is tried before anything costly starts.
+        let estimator = estimator(self.pipeline)?;
+        self.report.backend = estimator.describe();
+        let (loaded, groups) = self.phase("load", vec![], |run| {
+            let loaded = Loaded::read(run.pipeline)?;
+            let plan = Plan::new(run.pipeline, Inputs::of(run.pipeline, &loaded, &*estimator)?);
+            plan.fits()?;
+            (run.threads, run.disk) = (plan.inputs.threads as usize, plan.disk);
+            let later = plan.phases.iter().filter(|p| p.name != "load");
+            let expected: Vec<_> = later.map(|p| (p.name, Duration::from_secs_f64(p.seconds))).collect();
+            run.progress.expect(&expected);
+            let groups = resume::groups(run.pipeline, manifest, loaded.mesh_key, &loaded.frames);
+            Ok((loaded, groups))
+        })?;
+        resume::forget_others(manifest, FRAMES, groups.iter().map(|group| &group.recipe))?;
+
+        self.map(&loaded, &groups, manifest)?;
+        let (materials, _held, tables) = self.reduce(&loaded, &groups, &*estimator, manifest)?;
+        self.export(&tables, &loaded.mesh, &materials, manifest)?;
+        self.report.triangles = Triangles {
+            total: loaded.mesh.len() as u64,
+            degenerate: loaded.mesh.degenerate() as u64,
+            seen: materials.count(Filled::Observed),
+            filled: materials.count(Filled::Neighbours) + materials.count(Filled::SceneMean),
+            empty: materials.count(Filled::Nothing),
+        };
+        Ok(())
+    }
+
     /// Does one phase, shown and timed.
     fn phase<T>(
         &mut self,
@@ -128,21 +186,18 @@ impl Run<'_> {
         Ok(done)
     }
 
-    fn finish(mut self, loaded: &Loaded, materials: &Materials, started: Instant) -> Result<Report> {
-        self.report.triangles = Triangles {
-            total: loaded.mesh.len() as u64,
-            degenerate: loaded.mesh.degenerate() as u64,
-            seen: materials.count(Filled::Observed),
-            filled: materials.count(Filled::Neighbours) + materials.count(Filled::SceneMean),
-            empty: materials.count(Filled::Nothing),
-        };
-        self.report.memory_peak = self.budget.peak();
-        self.report.seconds = started.elapsed().as_secs_f64();
-        let path = self.pipeline.run.work.join(REPORT);
-        crate::disk::write_atomic(&path, |out| {
-            serde_json::to_writer_pretty(out, &self.report).map_err(|e| Error::io("write", &path)(e.into()))
-        })?;
-        Ok(self.report)
+    /// The same error, and what to do where the disk is full.
+    fn told_if_full(&self, why: Error, manifest: &Manifest) -> Error {
+        if !why.is_disk_full() {
+            return why;
+        }
+        let there: u64 = manifest.units().values().flat_map(|unit| &unit.files).map(|file| file.bytes).sum();
+        why.doing(format!(
+            "the disk of {} is full, and about {} is still to be written there: free that much, and the same command goes \
+             on from here",
+            self.pipeline.run.work.display(),
+            Bytes(self.disk.saturating_sub(there))
+        ))
     }
 }
 
@@ -154,35 +209,6 @@ pub fn plan(pipeline: &Pipeline) -> Result<(Plan, String)> {
     let estimator = estimator(pipeline)?;
     let loaded = Loaded::expected(pipeline)?;
     Ok((Plan::new(pipeline, Inputs::of(pipeline, &loaded, &*estimator)?), estimator.describe()))
-}
-
-/// The scene and the materials of a finished run.
-///
-/// # Errors
-/// No finished materials, or those of another mesh; anything that cannot be read.
-pub fn finished(pipeline: &Pipeline) -> Result<(Loaded, Materials)> {
-    let materials =
-        read_materials(pipeline).map_err(|e| e.doing("looking for a finished run (`gonio run` makes one)"))?;
-    let loaded = Loaded::read(pipeline)?;
-    if loaded.mesh.len() != materials.rows.len() {
-        return Err(Error::invalid(format!(
-            "{} has {} rows, and {} has {} triangles: run the pipeline again",
-            pipeline.run.work.join(MATERIALS).display(),
-            materials.rows.len(),
-            pipeline.scene.mesh.display(),
-            loaded.mesh.len()
-        )));
-    }
-    Ok((loaded, materials))
-}
-
-/// Writes the exports again from the materials of a finished run, and gives their paths.
-///
-/// # Errors
-/// No finished materials; anything that cannot be read or written.
-pub fn export(pipeline: &Pipeline) -> Result<Vec<PathBuf>> {
-    let (loaded, materials) = finished(pipeline)?;
-    export::write(&pipeline.export, &loaded.mesh, &materials, &pipeline.run.work.join(EXPORT))
 }
 
 /// A file that is to be written where the user said: its folder must be there.

@@ -1,0 +1,151 @@
+//! A store that fails at its n-th step, for tests: a write, a sync, a rename, a removal.
+
+use std::io::{self, ErrorKind, Write};
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+
+use super::store::{Content, Sink, Store};
+use crate::base::{Error, Result};
+
+/// What happens at the step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Fault {
+    /// It fails with this error; the program lives and cleans up.
+    Refused(ErrorKind),
+    /// The process is gone before the step is done: nothing is done from then on, and nothing cleaned up.
+    Killed,
+    /// The same, but half of the step is done: half the bytes of a write; a rename of which nobody is told.
+    Torn,
+}
+
+/// A store over another one, which fails once.
+#[derive(Debug, Clone)]
+pub(crate) struct FaultyStore {
+    inner: Arc<dyn Store>,
+    state: Arc<State>,
+}
+
+#[derive(Debug)]
+struct State {
+    at: u64,
+    fault: Fault,
+    steps: AtomicU64,
+    dead: AtomicBool,
+}
+
+impl State {
+    /// Counts a step. Its fault if this is the one; an error if the process is gone.
+    fn step(&self) -> io::Result<Option<Fault>> {
+        if self.dead.load(Ordering::SeqCst) {
+            return Err(gone());
+        }
+        let found = self.steps.fetch_add(1, Ordering::SeqCst) == self.at;
+        self.dead.fetch_or(found && matches!(self.fault, Fault::Killed | Fault::Torn), Ordering::SeqCst);
+        Ok(found.then_some(self.fault))
+    }
+}
+
+impl FaultyStore {
+    /// Fails at step `at`, counted from 0; never if there are not so many.
+    pub(crate) fn new(inner: Arc<dyn Store>, at: u64, fault: Fault) -> Self {
+        let state = State { at, fault, steps: AtomicU64::new(0), dead: AtomicBool::new(false) };
+        FaultyStore { inner, state: Arc::new(state) }
+    }
+
+    /// Steps so far.
+    pub(crate) fn steps(&self) -> u64 {
+        self.state.steps.load(Ordering::SeqCst)
+    }
+
+    /// Does one step, or what the fault leaves of it.
+    fn step<T>(&self, path: &str, done: impl FnOnce() -> Result<T>) -> Result<T> {
+        let failed = |why: io::Error| Error::io("change", self.inner.path(path))(why);
+        match self.state.step().map_err(failed)? {
+            None => done(),
+            Some(Fault::Refused(kind)) => Err(failed(kind.into())),
+            Some(Fault::Killed) => Err(failed(gone())),
+            Some(Fault::Torn) => done().and(Err(failed(gone()))),
+        }
+    }
+}
+
+fn gone() -> io::Error {
+    io::Error::other("the process is gone")
+}
+
+struct FaultySink {
+    inner: Option<Box<dyn Sink>>,
+    store: FaultyStore,
+    name: String,
+}
+
+impl Write for FaultySink {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let inner = self.inner.as_mut().ok_or_else(gone)?;
+        match self.store.state.step()? {
+            None => inner.write(bytes),
+            Some(Fault::Refused(kind)) => Err(kind.into()),
+            Some(Fault::Killed) => Err(gone()),
+            Some(Fault::Torn) => inner.write_all(&bytes[..bytes.len() / 2]).and(Err(gone())),
+        }
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.inner.as_mut().ok_or_else(gone)?.flush()
+    }
+}
+
+impl Sink for FaultySink {
+    fn commit(mut self: Box<Self>, replace: bool) -> Result<()> {
+        // The sync of the bytes, the rename, the sync of the folder: what fails before the rename leaves no name.
+        let (store, name) = (self.store.clone(), self.name.clone());
+        store.step(&name, || Ok(()))?;
+        store.step(&name, || self.inner.take().map_or(Err(Error::invalid("no sink")), |sink| sink.commit(replace)))?;
+        store.step(&name, || Ok(()))
+    }
+}
+
+impl Drop for FaultySink {
+    fn drop(&mut self) {
+        if self.store.state.dead.load(Ordering::SeqCst) {
+            // Who is gone does not clean up.
+            std::mem::forget(self.inner.take());
+        }
+    }
+}
+
+impl Store for FaultyStore {
+    fn begin(&self, name: &str) -> Result<Box<dyn Sink>> {
+        let inner = Some(self.inner.begin(name)?);
+        Ok(Box::new(FaultySink { inner, store: self.clone(), name: name.to_owned() }))
+    }
+
+    fn open(&self, name: &str) -> Result<Content> {
+        self.inner.open(name)
+    }
+
+    fn size(&self, name: &str) -> Result<Option<u64>> {
+        self.inner.size(name)
+    }
+
+    fn list(&self, folder: &str) -> Result<Vec<String>> {
+        self.inner.list(folder)
+    }
+
+    fn rename(&self, from: &str, to: &str) -> Result<()> {
+        self.step(from, || self.inner.rename(from, to))
+    }
+
+    fn remove(&self, name: &str) -> Result<()> {
+        self.step(name, || self.inner.remove(name))
+    }
+
+    fn sweep(&self) -> Result<Vec<String>> {
+        self.inner.sweep()
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.inner.path(name)
+    }
+}

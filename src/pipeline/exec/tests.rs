@@ -1,0 +1,197 @@
+//! A small run that is killed, refused or torn at every step that it takes on the disk.
+
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use tempfile::TempDir;
+
+use super::*;
+use crate::disk::MemStore;
+use crate::disk::faulty::{Fault, FaultyStore};
+use crate::synth::city::CityConfig;
+
+/// What a run leaves for others.
+const OUTPUTS: [&str; 4] = [MATERIALS, EVIDENCE, "export/scene.ply", "export/scene.glb"];
+
+/// A small city, its photographs, and a pipeline file with a network of a few weights.
+fn scene() -> (TempDir, Pipeline) {
+    let dir = TempDir::new().unwrap();
+    let config =
+        CityConfig { triangles: 5000, frames: 4, width: 48, height: 32, supersampling: 1, ..Default::default() };
+    city::generate(dir.path(), &config, &|| false).unwrap();
+    let file = dir.path().join("p.toml");
+    let model = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/models/conv4.onnx");
+    let text = format!(
+        "[scene]\nmesh = \"mesh.ply\"\nimages = \"images\"\nposes = {{ format = \"colmap\", path = \"sparse/0\" }}\n\
+         [gather]\ngroup = 2\n[infer]\nmodel = {:?}\nbackend = \"embedded\"\n[merge]\nmin_bins = 4\n\
+         [run]\nwork = \"work\"\nthreads = 1\n",
+        model.display()
+    );
+    std::fs::write(&file, text).unwrap();
+    let pipeline = crate::pipeline::check::load(&file, &[]).unwrap();
+    (dir, pipeline)
+}
+
+fn run_here(store: Arc<dyn Store>, pipeline: &Pipeline) -> Result<(Report, Vec<String>)> {
+    let progress = Progress::new();
+    run_on(store, pipeline, &StopSignal::new(), &progress).map(|report| (report, progress.take_notes()))
+}
+
+fn outputs(store: &MemStore) -> Vec<Vec<u8>> {
+    OUTPUTS.map(|name| store.open(name).unwrap().to_vec()).to_vec()
+}
+
+fn has_all(store: &MemStore) -> bool {
+    let manifest = Manifest::read(Arc::new(store.clone())).unwrap();
+    manifest.units().values().flat_map(|unit| &unit.files).all(|file| file.verify(store).is_ok())
+}
+
+#[test]
+fn whatever_fails_at_whatever_step_the_same_bytes_come_out() {
+    let (_dir, pipeline) = scene();
+    let whole = MemStore::new();
+    let counted = FaultyStore::new(Arc::new(whole.clone()), u64::MAX, Fault::Killed);
+    run_here(Arc::new(counted.clone()), &pipeline).unwrap();
+    let expected = outputs(&whole);
+    assert!(counted.steps() > 100, "{} steps", counted.steps());
+    for fault in [Fault::Refused(ErrorKind::StorageFull), Fault::Killed, Fault::Torn] {
+        for at in 0..counted.steps() {
+            let store = MemStore::new();
+            let broken = run_here(Arc::new(FaultyStore::new(Arc::new(store.clone()), at, fault)), &pipeline);
+            let why = broken.expect_err("the fault was passed over").to_string();
+            if fault == Fault::Refused(ErrorKind::StorageFull) {
+                assert!(why.contains("is full, and about"), "step {at}: {why}");
+            }
+            let (_, notes) = run_here(Arc::new(store.clone()), &pipeline).unwrap();
+            assert_eq!(notes, [""; 0], "{fault:?} at step {at}");
+            assert!(outputs(&store) == expected && has_all(&store), "{fault:?} at step {at}");
+        }
+    }
+}
+
+#[test]
+fn a_corrupt_file_is_set_aside_and_only_its_unit_is_done_again() {
+    let (_dir, pipeline) = scene();
+    let whole = MemStore::new();
+    run_here(Arc::new(whole.clone()), &pipeline).unwrap();
+    // Shards are read again when the tables are made again, the rest by every run.
+    let config = crate::stages::merge::Config { fill: false, ..pipeline.merge.clone() };
+    let unfilled = Pipeline { merge: config, ..pipeline.clone() };
+    let fresh = MemStore::new();
+    run_here(Arc::new(fresh.clone()), &unfilled).unwrap();
+    let names: Vec<String> = whole.list("").unwrap().into_iter().filter(|name| name != REPORT).collect();
+    assert!(names.len() > 12, "{names:?}");
+    for name in &names {
+        let bytes = whole.open(name).unwrap().to_vec();
+        let (again, expected) = if name.ends_with(".rows") { (&unfilled, &fresh) } else { (&pipeline, &whole) };
+        for (what, mangled) in [("cut", bytes[..bytes.len() - 2].to_vec()), ("flipped", flipped(&bytes))] {
+            let store = copy_of(&whole);
+            put(&store, name, &mangled);
+            let (report, notes) = run_here(Arc::new(store.clone()), again).unwrap();
+            let said = notes.join("\n");
+            // Nothing reads a segment while its shards are there, the copy while the manifest is, or an export ever.
+            let unread = name.ends_with(".seg") || name == "manifest.copy.json" || name.starts_with("export/");
+            if unread && (what == "flipped" || name == "manifest.copy.json") {
+                assert_eq!(said, "", "{what} {name}");
+                continue;
+            }
+            assert!(said.contains(name.rsplit('/').next().unwrap()), "{what} {name}: {said}");
+            let redone = (report.frames.cast, report.shards.inferred);
+            let own = if name.starts_with("segments/") { (2, 0) } else { (0, u64::from(name.ends_with(".rows"))) };
+            assert_eq!(redone, own, "{what} {name}");
+            assert!(outputs(&store) == outputs(expected), "{what} {name}");
+        }
+    }
+}
+
+#[test]
+fn a_corrupt_block_is_found_when_it_is_needed() {
+    let (_dir, pipeline) = scene();
+    let store = MemStore::new();
+    run_here(Arc::new(store.clone()), &pipeline).unwrap();
+    let segment = store.list("segments").unwrap().into_iter().find(|name| name.ends_with(".seg")).unwrap();
+    put(&store, &segment, &flipped(&store.open(&segment).unwrap()));
+    let other = Pipeline { merge: crate::stages::merge::Config { min_bins: 2, fill: true }, ..pipeline.clone() };
+    let (report, notes) = run_here(Arc::new(store.clone()), &other).unwrap();
+    assert!(notes.iter().any(|note| note.contains("is done again") && note.contains("checksum")), "{notes:?}");
+    assert_eq!((report.frames.cast, report.frames.resumed), (2, 2));
+    let kept = format!("corrupt/{}", segment.strip_prefix("segments/").unwrap());
+    assert!(store.size(&kept).unwrap().is_some());
+    let fresh = MemStore::new();
+    run_here(Arc::new(fresh.clone()), &other).unwrap();
+    assert!(outputs(&store) == outputs(&fresh));
+}
+
+#[test]
+fn a_disk_that_spoils_the_same_file_twice_ends_the_run() {
+    let (_dir, pipeline) = scene();
+    let store = MemStore::new();
+    run_here(Arc::new(store.clone()), &pipeline).unwrap();
+    let list = store.list("segments").unwrap().into_iter().find(|name| name.ends_with(".blocks")).unwrap();
+    let rotten = Rotten { inner: store, name: list };
+    let why = run_here(Arc::new(rotten), &pipeline).unwrap_err().to_string();
+    assert!(why.contains("checksum"), "{why}");
+}
+
+/// A store that reads one file wrong, however often it is written.
+#[derive(Debug)]
+struct Rotten {
+    inner: MemStore,
+    name: String,
+}
+
+impl Store for Rotten {
+    fn begin(&self, name: &str) -> Result<Box<dyn crate::disk::store::Sink>> {
+        self.inner.begin(name)
+    }
+
+    fn open(&self, name: &str) -> Result<crate::disk::Content> {
+        let content = self.inner.open(name)?;
+        Ok(if name == self.name { crate::disk::Content::Held(flipped(&content).into()) } else { content })
+    }
+
+    fn size(&self, name: &str) -> Result<Option<u64>> {
+        self.inner.size(name)
+    }
+
+    fn list(&self, folder: &str) -> Result<Vec<String>> {
+        self.inner.list(folder)
+    }
+
+    fn rename(&self, from: &str, to: &str) -> Result<()> {
+        self.inner.rename(from, to)
+    }
+
+    fn remove(&self, name: &str) -> Result<()> {
+        self.inner.remove(name)
+    }
+
+    fn sweep(&self) -> Result<Vec<String>> {
+        self.inner.sweep()
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.inner.path(name)
+    }
+}
+
+/// The same bytes but for a bit in the middle.
+fn flipped(bytes: &[u8]) -> Vec<u8> {
+    let mut bytes = bytes.to_vec();
+    let middle = bytes.len() / 3;
+    bytes[middle] ^= 4;
+    bytes
+}
+
+fn put(store: &MemStore, name: &str, bytes: &[u8]) {
+    let mut draft = store.create(name).unwrap();
+    draft.write_all(bytes).unwrap();
+    draft.replace().unwrap();
+}
+
+fn copy_of(store: &MemStore) -> MemStore {
+    let copy = MemStore::new();
+    store.list("").unwrap().iter().for_each(|name| put(&copy, name, &store.open(name).unwrap()));
+    copy
+}
