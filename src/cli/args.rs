@@ -43,6 +43,12 @@ pub enum Command {
         #[command(flatten)]
         pipeline: PipelineArgs,
     },
+    /// Say what the next run would do again, and which input or setting is the cause
+    Explain {
+        /// Of which pipeline.
+        #[command(flatten)]
+        pipeline: PipelineArgs,
+    },
     /// Write what every pixel of a frame sees: triangle, position, normal, depth, uv, as one EXR
     Buffers {
         /// Of which pipeline.

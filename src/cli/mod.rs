@@ -5,6 +5,7 @@
 
 pub mod args;
 mod eval;
+mod explain;
 mod plan;
 mod progress;
 mod render;
@@ -101,6 +102,10 @@ fn command(command: Command) -> Result<Ending, Failure> {
             let (plan, estimator) = pipeline::plan(&load(&pipeline)?)?;
             out(&plan::table(&plan, &estimator));
             plan.fits()?;
+            Ok(Ending::Done)
+        }
+        Command::Explain { pipeline } => {
+            out(&explain::table(&pipeline::explain(&load(&pipeline)?)?));
             Ok(Ending::Done)
         }
         Command::Buffers { pipeline, frame, out } => {

@@ -6,6 +6,7 @@
 
 pub mod check;
 pub mod exec;
+pub mod explain;
 pub mod inspect;
 pub mod picture;
 pub mod plan;
@@ -19,6 +20,7 @@ mod section;
 mod shards;
 
 pub use exec::{export, plan, run};
+pub use explain::explain;
 pub use inspect::{buffers, maps};
 pub use plan::Plan;
 pub use progress::Progress;

@@ -21,9 +21,15 @@ use crate::shard::format::VERSION;
 use crate::stages::gather::{FRAMES, Group};
 
 /// How the names of a frame's parts begin.
-const IMAGE: &str = "image ";
-const MASK: &str = "mask ";
-const POSE: &str = "pose ";
+pub const IMAGE: &str = "image ";
+/// The same for its mask.
+pub const MASK: &str = "mask ";
+/// The same for its camera and pose.
+pub const POSE: &str = "pose ";
+
+/// What stands for the content of a file that cannot be read: it is skipped when its turn comes, and once it can be read
+/// its key is another.
+pub const UNREADABLE: &str = "unreadable";
 
 /// The recipe parts of each frame: image, mask, pose.
 struct Parts<'a> {
@@ -94,8 +100,7 @@ pub fn groups(pipeline: &Pipeline, manifest: &Manifest, mesh: Key, frames: &[Fra
 fn parts_of(pipeline: &Pipeline, frame: &Frame) -> [Option<String>; 3] {
     let content = |path: &Path| match Key::of_file(path) {
         Ok(key) => key.to_string(),
-        // What cannot be read is skipped when its turn comes; once it can be read, its key is another.
-        Err(_) => "unreadable".to_owned(),
+        Err(_) => UNREADABLE.to_owned(),
     };
     let scene = &pipeline.scene;
     let mask = scene.masks.as_deref().and_then(|masks| image::mask_path(masks, &frame.name));

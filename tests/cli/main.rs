@@ -2,7 +2,9 @@
 //! command, its folder and both of its outputs.
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+mod changes;
 mod files;
+mod kills;
 mod ran;
 mod reduce;
 mod runs;

@@ -1,0 +1,100 @@
+//! What changes between two runs: what is done again, what `explain` says of it, and that the result is a fresh run's.
+
+use std::fs::{self, File};
+use std::path::Path;
+use std::time::SystemTime;
+
+use gonio::codec::colmap::{self, Encoding};
+use tempfile::TempDir;
+
+use crate::files::{city, outputs};
+use crate::ran::Ran;
+
+/// The model of a few weights, which is quick.
+fn tiny(dir: &TempDir) {
+    let model = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/models");
+    for name in ["conv4.onnx", "set4.onnx"] {
+        fs::copy(model.join(name), dir.path().join(name)).unwrap();
+    }
+}
+
+const SETS: &str = "--set infer.model=conv4.onnx --set infer.backend=embedded --set gather.group=2";
+
+fn run(dir: &TempDir, work: &str, sets: &str) -> Ran {
+    let ran = Ran::gonio(dir.path(), &format!("run p.toml {SETS} --set run.work={work} {sets}"));
+    ran.ends(0);
+    ran
+}
+
+fn explain(dir: &TempDir, sets: &str) -> Ran {
+    let ran = Ran::gonio(dir.path(), &format!("explain p.toml {SETS} --set run.work=work {sets}"));
+    ran.ends(0);
+    ran
+}
+
+#[test]
+fn a_touched_file_is_the_same_file() {
+    let dir = city();
+    tiny(&dir);
+    explain(&dir, "").says("10 of 10").says("frame_003.jpg is new");
+    run(&dir, "work", "");
+    for file in ["mesh.ply", "images/frame_000.jpg", "sparse/0/images.bin", "conv4.onnx"] {
+        let file = File::options().write(true).open(dir.path().join(file)).unwrap();
+        file.set_modified(SystemTime::UNIX_EPOCH).unwrap();
+    }
+    explain(&dir, "").says("nothing is done again");
+    let written = |name: &str| fs::metadata(dir.path().join("work").join(name)).unwrap().modified().unwrap();
+    let before = ["materials.npy", "export/scene.glb", "manifest.json"].map(written);
+    run(&dir, "work", "").says("10 (0 cast, 10 from before").says("2 (0 inferred, 2 from before)");
+    assert_eq!(["materials.npy", "export/scene.glb", "manifest.json"].map(written), before);
+}
+
+#[test]
+fn one_image_takes_its_group_and_new_frames_take_none() {
+    let dir = city();
+    tiny(&dir);
+    let images = dir.path().join("images");
+    let model = dir.path().join("sparse/0");
+    let all = colmap::read_model(&model).unwrap();
+    // Frames 2 and 7 come later, in the midst of the others.
+    let few: Vec<_> = all.iter().enumerate().filter(|(i, _)| ![2, 7].contains(i)).map(|(_, f)| f.clone()).collect();
+    colmap::write_model(&model, &few, Encoding::Binary).unwrap();
+    run(&dir, "work", "").says("8 (8 cast");
+    fs::copy(images.join("frame_005.jpg"), images.join("frame_004.jpg")).unwrap();
+    let said = explain(&dir, "");
+    said.says("frames         2 of 8").says("the image of frame_004.jpg changed");
+    assert!(!said.stdout().contains("frame_005"), "{said}");
+    run(&dir, "work", "").says("8 (2 cast, 6 from before");
+    colmap::write_model(&model, &all, Encoding::Binary).unwrap();
+    let said = explain(&dir, "");
+    said.says("frames         2 of 10").says("frame_002.jpg is new").says("frame_007.jpg is new");
+    run(&dir, "work", "").says("10 (2 cast, 8 from before");
+    run(&dir, "fresh", "");
+    assert!(outputs(&dir.path().join("work")) == outputs(&dir.path().join("fresh")));
+    // A frame that goes takes its group along: its observations cannot be told from the others' any more.
+    colmap::write_model(&model, &all[1..], Encoding::Binary).unwrap();
+    explain(&dir, "").says("frame_000.jpg is no longer among the poses").says("frames         1 of 9");
+    run(&dir, "work", "").says("9 (1 cast, 8 from before");
+    run(&dir, "less", "");
+    assert!(outputs(&dir.path().join("work")) == outputs(&dir.path().join("less")));
+}
+
+#[test]
+fn a_setting_takes_what_depends_on_it() {
+    let dir = city();
+    tiny(&dir);
+    run(&dir, "work", "");
+    for (sets, words, frames, shards) in [
+        ("--set run.threads=1 --set cast.tile=64 --set gather.group=5", "nothing is done again", 0, 0),
+        ("--set infer.model=set4.onnx", "infer.model changed", 0, 2),
+        ("--set infer.model=conv4.onnx --set merge.min_bins=4", "merge.min_bins was 1 and is 4", 0, 2),
+        ("--set merge.fill=false", "merge.fill was true and is false", 0, 2),
+        ("--set export.up=[0,1,0]", "export.up was [0.0, 0.0, 1.0] and is [0.0, 1.0, 0.0]", 0, 0),
+        ("--set decode.transfer=linear", "decode.transfer was", 10, 2),
+    ] {
+        explain(&dir, sets).says(words);
+        let ran = run(&dir, "work", sets);
+        ran.says(&format!("10 ({frames} cast")).says(&format!("2 ({shards} inferred"));
+        explain(&dir, sets).says("nothing is done again");
+    }
+}
