@@ -1,7 +1,9 @@
 //! A city's folder: whether it holds what is wanted, something of an earlier or interrupted making, or something else.
 //!
-//! While a city is being made its folder holds `city.unfinished`; when all other files are durable `city.json` is
-//! written and the mark is taken away. A folder with neither, that is not empty, is not ours and is left alone.
+//! While a city is being made its folder holds `city.unfinished`: empty as long as there may be photographs of an earlier
+//! city, then with the configuration of this one, so that the photographs that are there can be kept. When all other files
+//! are durable `city.json` is written and the mark is taken away. A folder with neither, that is not empty, is not ours and
+//! is left alone.
 
 use std::fs;
 use std::io::ErrorKind;
@@ -86,6 +88,23 @@ pub fn begin(folder: &Path) -> Result<()> {
     // IMPORTANT: the mark first: a folder with neither is taken for somebody else's.
     write_atomic(folder.join(MARK), |_| Ok(()))?;
     remove(&folder.join(RECORD))
+}
+
+/// Says that from now on all photographs in the folder are of this configuration.
+pub fn own(folder: &Path, config: &CityConfig) -> Result<()> {
+    let path = folder.join(MARK);
+    let text = mark(config);
+    write_atomic(&path, |out| out.write_all(text.as_bytes()).map_err(Error::io("write", &path)))
+}
+
+/// Whether a city of this configuration was being made here, so that its photographs can be kept.
+pub fn owned(folder: &Path, config: &CityConfig) -> bool {
+    let begun = fs::read_to_string(folder.join(MARK)).is_ok_and(|text| text == mark(config));
+    begun && !folder.join(RECORD).exists()
+}
+
+fn mark(config: &CityConfig) -> String {
+    format!("{:#}\n", json!({ "version": VERSION, "config": config }))
 }
 
 /// Declares the city finished: everything else must be durable.

@@ -20,7 +20,7 @@ use crate::trace::Bvh;
 const SKY_RAYS: u32 = 64;
 
 /// Makes a city in a folder, unless it is there already: finished, and from the same configuration. `stop` is asked
-/// between photographs; what was begun is begun again the next time.
+/// between photographs; those that are there are kept the next time.
 ///
 /// # Errors
 /// A configuration out of range; a folder that holds something that is not a city; a file that cannot be written;
@@ -45,10 +45,17 @@ pub fn generate(folder: &Path, config: &CityConfig, stop: &dyn Fn() -> bool) -> 
 
 fn make(dir: &Path, config: &CityConfig, stop: &dyn Fn() -> bool) -> Result<Summary> {
     let city = build(config)?;
-    folder::begin(dir)?;
+    let goes_on = folder::owned(dir, config);
+    if !goes_on {
+        folder::begin(dir)?;
+    }
     for sub in ["images", "sparse/0", "truth"] {
         let sub = dir.join(sub);
         fs::create_dir_all(&sub).map_err(Error::io("create", &sub))?;
+    }
+    if !goes_on {
+        folder::sweep(&dir.join("images"), "frame_", |_| false)?;
+        folder::own(dir, config)?;
     }
     let path = dir.join("mesh.ply");
     write_atomic(&path, |mut out| ply::write_mesh(&mut out, &city.mesh, &[]).map_err(Error::io("write", &path)))?;
@@ -60,14 +67,12 @@ fn make(dir: &Path, config: &CityConfig, stop: &dyn Fn() -> bool) -> Result<Summ
     write_images(&dir.join("images"), config, &city, &bvh, &light, stop)?;
     colmap::write_model(&dir.join("sparse/0"), &frames, Encoding::Binary)?;
     let summary = Summary { triangles: city.mesh.len() as u64, frames: frames.len() as u64, reused: false };
-    for sub in ["images", "sparse/0"] {
-        folder::sync(&dir.join(sub))?;
-    }
+    folder::sync(&dir.join("sparse/0"))?;
     folder::finish(dir, config, summary)?;
     Ok(summary)
 }
 
-/// Renders, encodes and writes the photographs.
+/// Renders, encodes and writes the photographs that are not there yet.
 fn write_images(
     dir: &Path,
     config: &CityConfig,
@@ -79,7 +84,7 @@ fn write_images(
     let n = config.supersampling;
     let frames = flight::frames(config, &plan(config).0, n);
     folder::sweep(dir, "frame_", |name| frames.iter().any(|f| f.name == name))?;
-    for frame in &frames {
+    for frame in frames.iter().filter(|frame| !dir.join(&frame.name).exists()) {
         if stop() {
             return Err(Error::Interrupted);
         }

@@ -81,6 +81,25 @@ fn a_finished_city_is_reused_and_an_interrupted_one_made_again() {
 }
 
 #[test]
+fn an_interrupted_city_keeps_its_photographs() {
+    let whole = tempfile::tempdir().unwrap();
+    generate_if_needed(whole.path(), &small(6), GO_ON).unwrap();
+    let dir = tempfile::tempdir().unwrap();
+    // Photographs of another city are there under the same names.
+    generate_if_needed(dir.path(), &small(5), GO_ON).unwrap();
+    let asked = std::cell::Cell::new(0);
+    let after_one = || asked.replace(asked.get() + 1) > 0;
+    assert!(generate_if_needed(dir.path(), &small(6), &after_one).unwrap_err().is_interrupt());
+    let images = dir.path().join("images");
+    assert_eq!(fs::read_dir(&images).unwrap().count(), 1);
+    let first = fs::metadata(images.join("frame_000.jpg")).unwrap().modified().unwrap();
+    fs::write(images.join("frame_001.jpg.7-0.gonio-tmp"), b"left").unwrap();
+    generate_if_needed(dir.path(), &small(6), GO_ON).unwrap();
+    assert_eq!(fs::metadata(images.join("frame_000.jpg")).unwrap().modified().unwrap(), first);
+    assert_eq!(files(dir.path()), files(whole.path()));
+}
+
+#[test]
 fn another_configuration_replaces_the_city_and_nothing_else() {
     let dir = tempfile::tempdir().unwrap();
     generate_if_needed(dir.path(), &small(6), GO_ON).unwrap();
