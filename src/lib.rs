@@ -4,6 +4,7 @@
 //! the evidence behind it come out. `ARCHITECTURE.md` shows the way of the data and what each folder answers.
 
 pub mod base;
+pub mod cache;
 pub mod cli;
 pub mod codec;
 pub mod disk;

@@ -1,8 +1,10 @@
-//! What every floor stands on: errors, ids, units, content keys.
+//! What every floor stands on: errors, ids, units, content keys, arrays.
 
+pub mod array;
 pub mod error;
 pub mod ids;
 pub mod key;
 pub mod units;
 
+pub use array::Array;
 pub use error::{Error, Result};

@@ -20,6 +20,9 @@ pub fn table(plan: &Plan, estimator: &str) -> String {
         if phase.held > 0 && !phase.stages.is_empty() {
             lines.add(format!("  {:30}{:>12}", "held all along", Bytes(phase.held).to_string()));
         }
+        if phase.mapped > 0 {
+            lines.add(format!("  {:30}{:>12} on top, the system's to drop", "mapped", Bytes(phase.mapped).to_string()));
+        }
         for stage in &phase.stages {
             let memory = Bytes(stage.memory).to_string();
             let more = match stage.elastic {

@@ -41,7 +41,7 @@ mod tests {
             read_mesh(&dir.path().join(name)).map_err(|e| e.to_string())
         };
         for (name, text) in [("a.ply", ply), ("a.obj", ply), ("a", ply), ("a.OBJ", obj)] {
-            assert_eq!(read(name, text).unwrap().triangles, [[0, 1, 2]], "{name}");
+            assert_eq!(read(name, text).unwrap().triangles[..], [[0, 1, 2]], "{name}");
         }
         assert!(read("a.ply", obj).unwrap_err().contains("this is no PLY file"));
         assert!(read("a.stl", "solid").unwrap_err().contains("PLY, or OBJ"));

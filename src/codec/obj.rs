@@ -169,10 +169,10 @@ mod tests {
     fn corners_of_every_kind_are_the_same_square() {
         let square = [[0, 1, 2], [0, 2, 3]];
         for face in ["f 1 2 3 4", "f 1/5 2/6 3/7 4/8", "f 1//1 2//1 3//1 4//1", "f 1/1/1 2/2/2 3/3/3 4/4/4"] {
-            assert_eq!(read(format!("{SQUARE}{face}").as_bytes()).unwrap().triangles, square, "{face}");
+            assert_eq!(read(format!("{SQUARE}{face}").as_bytes()).unwrap().triangles[..], square, "{face}");
         }
         let split = "f -4 -3 \\\n  -2 \\\r\n -1\r\n";
-        assert_eq!(read(format!("{SQUARE}{split}").as_bytes()).unwrap().triangles, square);
+        assert_eq!(read(format!("{SQUARE}{split}").as_bytes()).unwrap().triangles[..], square);
     }
 
     #[test]
@@ -180,7 +180,7 @@ mod tests {
         let text = "# made by hand\nmtllib a.mtl\no first\nv 500000 5800000 1\nv 500001 5800000 1\nv 500000 5800001 1\n\
                     vt 0 0\nvn 0 0 1\nusemtl x\ns off\nf -3 -2 -1 # in front\no second\nv 500002 5800000 1\nl 1 2\nf 2 4 3";
         let mesh = read(text.as_bytes()).unwrap();
-        assert_eq!(mesh.triangles, [[0, 1, 2], [1, 3, 2]]);
+        assert_eq!(mesh.triangles[..], [[0, 1, 2], [1, 3, 2]]);
         assert_eq!(mesh.origin, DVec3::new(500_001.0, 5_800_000.5, 1.0));
         let again = read(text.replace('\n', "\r\n").as_bytes()).unwrap();
         assert_eq!(again, mesh);

@@ -10,6 +10,7 @@ use super::Pipeline;
 use super::scene::Loaded;
 use crate::base::units::Bytes;
 use crate::base::{Error, Result};
+use crate::cache;
 use crate::flow::pool;
 use crate::model::Estimator;
 use crate::scene::Material;
@@ -81,6 +82,8 @@ pub struct Phase {
     pub stages: Vec<Stage>,
     /// Bytes that are held all along.
     pub held: u64,
+    /// Bytes of files that are mapped on top: the system may drop and read them again.
+    pub mapped: u64,
     /// What it takes.
     pub seconds: f64,
 }
@@ -107,7 +110,7 @@ pub struct Plan {
     pub phases: Vec<Phase>,
     /// The limit.
     pub memory: Bytes,
-    /// Bytes on disk: segments, shards, tables and exports.
+    /// Bytes on disk: the scene cache, segments, shards, tables and exports.
     pub disk: u64,
 }
 
@@ -180,7 +183,8 @@ impl Plan {
                 stage("cast", i.threads, held * rows.max(image) + i.threads * rows),
                 Stage { elastic: (group - 1) * rows, ..stage("gather", 1, rows) },
             ],
-            held: i.mesh + bvh,
+            held: 0,
+            mapped: i.mesh + bvh,
             seconds: i.pixels as f64 / (threads * RAYS_PER_SECOND),
         };
         let infer = Phase {
@@ -190,20 +194,24 @@ impl Plan {
                 stage("infer", i.threads, i.estimator + i.threads * (batch + shard) + 2 * shard),
                 stage("keep", 1, shard),
             ],
-            held: i.mesh,
+            held: 0,
+            mapped: 0,
             seconds: i.triangles as f64 * i.seconds_per_map / threads,
         };
-        let alone = |name, held, seconds| Phase { name, stages: Vec::new(), held, seconds };
+        let alone = |name, held, mapped, seconds| Phase { name, stages: Vec::new(), held, mapped, seconds };
+        let neighbours = NEIGHBOURS * i.triangles;
+        let building = cache::building(i.triangles, (i.mesh / VERTEX).saturating_sub(i.triangles));
         let phases = vec![
-            alone("load", 3 * i.mesh, i.mesh as f64 / BYTES_PER_SECOND),
-            alone("build", i.mesh + 2 * bvh, bvh as f64 / BYTES_PER_SECOND),
+            alone("load", i.mesh, 0, i.mesh as f64 / BYTES_PER_SECOND),
+            alone("build", i.mesh + building, 0, bvh as f64 / BYTES_PER_SECOND),
             cast,
             infer,
-            alone("merge", i.mesh + tables, tables as f64 / BYTES_PER_SECOND),
-            alone("export", i.mesh + 2 * tables, export / BYTES_PER_SECOND),
+            alone("merge", tables, neighbours, tables as f64 / BYTES_PER_SECOND),
+            alone("export", 2 * tables, i.mesh, export / BYTES_PER_SECOND),
         ];
         let records = i.triangles * USUAL_BINS * i.frames.div_ceil(group).min(USUAL_BINS);
-        let disk = records.min(i.pixels) * RECORD_ON_DISK + 2 * tables + export as u64;
+        let scene = i.mesh + bvh + neighbours;
+        let disk = records.min(i.pixels) * RECORD_ON_DISK + scene + 2 * tables + export as u64;
         Plan { inputs, phases, memory: pipeline.run.memory, disk }
     }
 
@@ -234,6 +242,12 @@ impl Plan {
         )))
     }
 }
+
+/// Bytes of a vertex in memory, and of a triangle.
+const VERTEX: u64 = 12;
+
+/// Bytes that the neighbours of a triangle take.
+const NEIGHBOURS: u64 = 16;
 
 /// Bytes that an export takes per triangle.
 const EXPORTED: u64 = 100;
@@ -287,10 +301,10 @@ mod tests {
     #[test]
     fn a_limit_that_cannot_work_is_refused_by_how_much() {
         plan(INPUTS, 1024).fits().unwrap();
-        insta::assert_snapshot!(plan(INPUTS, 64).fits().unwrap_err(), @r#"[run] memory = "64 MiB" is 123.4 MiB too small: the phase cast needs 187.4 MiB, most of it for its frames in flight; give it more, or fewer [run] threads"#);
+        insta::assert_snapshot!(plan(INPUTS, 64).fits().unwrap_err(), @r#"[run] memory = "64 MiB" is 96.2 MiB too small: the phase cast needs 160.2 MiB, most of it for its frames in flight; give it more, or fewer [run] threads"#);
         let large = Inputs { largest: 150_000_000, threads: 16, ..INPUTS };
         insta::assert_snapshot!(plan(large, 4096).fits().unwrap_err(), @r#"[run] memory = "4 GiB" is 58.9 GiB too small: the phase cast needs 62.9 GiB, most of it for its frames in flight; give it more, or fewer [run] threads"#);
         let fine = Inputs { triangles: 100_000_000, mesh: 1_800_000_000, ..INPUTS };
-        insta::assert_snapshot!(plan(fine, 4096).fits().unwrap_err(), @r#"[run] memory = "4 GiB" is 15.6 GiB too small: the phase build needs 19.6 GiB, most of it for the mesh; give it more, or a mesh of fewer triangles"#);
+        insta::assert_snapshot!(plan(fine, 4096).fits().unwrap_err(), @r#"[run] memory = "4 GiB" is 8.7 GiB too small: the phase export needs 12.7 GiB, most of it for the mesh; give it more, or a mesh of fewer triangles"#);
     }
 }

@@ -1,60 +1,152 @@
 //! Which triangles touch across an edge. Vertices at the same place count as one, so that meshes whose faces share no
 //! vertices (as textured OBJ files write them) still hang together.
 
+use std::ops::Range;
+
 use glam::Vec3;
 
 use super::Mesh;
+use crate::base::Array;
+use crate::base::array::SharedBytes;
 use crate::base::ids::TriangleId;
 
 /// Neighbours across edges, as compressed rows.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Adjacency {
-    starts: Vec<u32>,
-    neighbours: Vec<TriangleId>,
+    starts: Array<u32>,
+    neighbours: Array<TriangleId>,
 }
 
+/// Sides of triangles that are sorted at a time: 96 MB of them.
+const SIDES: usize = 1 << 23;
+
+/// A side: its vertices, the lower first, and its triangle.
+type Side = (u32, u32, TriangleId);
+
 impl Adjacency {
+    /// Bytes of memory that building takes besides the mesh, for this many triangles and vertices, at most.
+    pub fn building(triangles: u64, vertices: u64) -> u64 {
+        let sides = (3 * triangles).min(SIDES as u64) * size_of::<Side>() as u64;
+        // Starts twice and three neighbours; for a vertex the first at its place, and its place in the order or its sides.
+        20 * triangles + 8 * vertices + sides
+    }
+
     /// The neighbours of a mesh. Where more than two triangles meet at an edge, they are linked in a chain by id: all
     /// are reached, and the number of links stays linear.
     pub fn of(mesh: &Mesh) -> Adjacency {
-        let canonical = weld(&mesh.positions);
-        let mut edges: Vec<(u32, u32, TriangleId)> = Vec::with_capacity(3 * mesh.len());
-        for (t, corners) in mesh.triangles.iter().enumerate() {
-            let [a, b, c] = corners.map(|i| canonical[i as usize]);
-            let sides = [(a, b), (b, c), (c, a)].into_iter().filter(|(p, q)| p != q);
-            edges.extend(sides.map(|(p, q)| (p.min(q), p.max(q), t as TriangleId)));
-        }
-        edges.sort_unstable();
-        edges.dedup();
-        let links = || {
-            let same = |w: &&[(u32, u32, TriangleId)]| (w[0].0, w[0].1) == (w[1].0, w[1].1);
-            edges.windows(2).filter(same).map(|w| (w[0].2, w[1].2))
-        };
+        Adjacency::of_some_at_a_time(mesh, SIDES)
+    }
+
+    /// The same, with the sides sorted at most so many at a time, but for a vertex that has more.
+    fn of_some_at_a_time(mesh: &Mesh, most: usize) -> Adjacency {
+        let mut sides = Sides::of(mesh, most);
         let mut starts = vec![0u32; mesh.len() + 1];
-        for (a, b) in links() {
+        sides.links(|a, b| {
             starts[a as usize + 1] += 1;
             starts[b as usize + 1] += 1;
-        }
+        });
         for i in 0..mesh.len() {
             starts[i + 1] += starts[i];
         }
         let mut neighbours = vec![0; starts[mesh.len()] as usize];
         let mut next = starts.clone();
-        for (a, b) in links() {
+        sides.links(|a, b| {
             for (from, to) in [(a, b), (b, a)] {
                 let slot = &mut next[from as usize];
                 neighbours[*slot as usize] = to;
                 *slot += 1;
             }
+        });
+        Adjacency { starts: starts.into(), neighbours: neighbours.into() }
+    }
+
+    /// The neighbours that lie in these bytes, for a mesh of `count` triangles; in words, what makes them none.
+    pub fn view(bytes: &SharedBytes, [starts, neighbours]: [Range<usize>; 2], count: usize) -> Result<Self, String> {
+        let view = Adjacency { starts: Array::view(bytes, starts)?, neighbours: Array::view(bytes, neighbours)? };
+        let (starts, neighbours) = (&view.starts[..], &view.neighbours[..]);
+        let whole = starts.len() == count + 1
+            && starts.first() == Some(&0)
+            && starts.last().is_some_and(|&end| end as usize == neighbours.len());
+        if !whole || !starts.is_sorted() {
+            let (found, links) = (starts.len(), neighbours.len());
+            return Err(format!("{found} rows of neighbours do not share out {links} over {count} triangles"));
         }
-        Adjacency { starts, neighbours }
+        match neighbours.iter().find(|&&t| t as usize >= count) {
+            Some(beyond) => Err(format!("triangle {beyond} is said to be a neighbour, but there are {count}")),
+            None => Ok(view),
+        }
+    }
+
+    /// What a view is made of: where each triangle's neighbours start, and the neighbours.
+    pub fn arrays(&self) -> [&[u32]; 2] {
+        [&self.starts, &self.neighbours]
     }
 
     /// The neighbours of a triangle.
     pub fn neighbours(&self, t: TriangleId) -> &[TriangleId] {
-        let t = t as usize;
-        &self.neighbours[self.starts[t] as usize..self.starts[t + 1] as usize]
+        let (t, starts) = (t as usize, &self.starts[..]);
+        &self.neighbours[starts[t] as usize..starts[t + 1] as usize]
     }
+}
+
+/// The sides of all triangles, sorted a range of lower vertices at a time.
+struct Sides<'m> {
+    mesh: &'m Mesh,
+    canonical: Vec<u32>,
+    ranges: Vec<Range<u32>>,
+    /// The sides of one range, and which.
+    some: Vec<Side>,
+    at: Option<usize>,
+}
+
+impl<'m> Sides<'m> {
+    fn of(mesh: &'m Mesh, most: usize) -> Self {
+        let canonical = weld(&mesh.positions);
+        let mut counts = vec![0u32; canonical.len()];
+        for t in mesh.triangles.iter() {
+            sides(&canonical, *t).for_each(|(low, _)| counts[low as usize] += 1);
+        }
+        let (mut ranges, mut start, mut held) = (Vec::new(), 0, 0);
+        for (vertex, &count) in counts.iter().enumerate() {
+            if held > 0 && held + count as usize > most {
+                ranges.push(start..vertex as u32);
+                (start, held) = (vertex as u32, 0);
+            }
+            held += count as usize;
+        }
+        ranges.push(start..canonical.len() as u32);
+        Sides { mesh, canonical, ranges, some: Vec::with_capacity(most.min(3 * mesh.len())), at: None }
+    }
+
+    /// Tells of every two triangles that are linked, in the order of the edges.
+    fn links(&mut self, mut link: impl FnMut(TriangleId, TriangleId)) {
+        for at in 0..self.ranges.len() {
+            self.sort(at);
+            let same = |w: &&[Side]| (w[0].0, w[0].1) == (w[1].0, w[1].1);
+            self.some.windows(2).filter(same).for_each(|w| link(w[0].2, w[1].2));
+        }
+    }
+
+    fn sort(&mut self, at: usize) {
+        if self.at == Some(at) {
+            return;
+        }
+        let range = self.ranges[at].clone();
+        self.some.clear();
+        for (t, corners) in self.mesh.triangles.iter().enumerate() {
+            let own = sides(&self.canonical, *corners).filter(|(low, _)| range.contains(low));
+            self.some.extend(own.map(|(low, high)| (low, high, t as TriangleId)));
+        }
+        self.some.sort_unstable();
+        self.some.dedup();
+        self.at = Some(at);
+    }
+}
+
+/// The sides of a triangle that have a length.
+fn sides(canonical: &[u32], corners: [u32; 3]) -> impl Iterator<Item = (u32, u32)> + use<> {
+    let [a, b, c] = corners.map(|i| canonical[i as usize]);
+    [(a, b), (b, c), (c, a)].into_iter().filter(|(p, q)| p != q).map(|(p, q)| (p.min(q), p.max(q)))
 }
 
 /// For every vertex the first one at the same place.
@@ -111,5 +203,40 @@ mod tests {
         let v = [DVec3::ZERO, DVec3::X, DVec3::Y];
         let a = Adjacency::of(&Mesh::new(&v, vec![[0, 0, 0], [0, 1, 2]]).unwrap());
         assert!(a.neighbours(0).is_empty() && a.neighbours(1).is_empty());
+    }
+
+    #[test]
+    fn how_many_sides_are_sorted_at_a_time_makes_no_difference() {
+        let n = 20;
+        let place = |i: u32| DVec3::new(f64::from(i % n), f64::from(i / n), 0.0);
+        let vertices: Vec<DVec3> = (0..n * n).map(place).collect();
+        let cells = (0..n * (n - 1)).filter(|i| i % n < n - 1);
+        let mut triangles: Vec<[u32; 3]> = cells.flat_map(|i| [[i, i + 1, i + n], [i + 1, i + n + 1, i + n]]).collect();
+        // A vertex with more sides than are sorted at a time.
+        triangles.extend((1..300).map(|i| [0, i, i + 1]));
+        let mesh = Mesh::new(&vertices, triangles).unwrap();
+        let whole = Adjacency::of(&mesh);
+        for most in [1, 7, 100, 1000] {
+            assert_eq!(Adjacency::of_some_at_a_time(&mesh, most), whole, "{most}");
+        }
+    }
+
+    #[test]
+    fn what_are_no_rows_of_neighbours_is_refused() {
+        let view = |words: &'static [u32], rows: usize, count| {
+            let bytes: SharedBytes = std::sync::Arc::new(bytemuck::cast_slice::<u32, u8>(words));
+            Adjacency::view(&bytes, [0..4 * rows, 4 * rows..4 * words.len()], count).map(|a| a.arrays()[1].to_vec())
+        };
+        assert_eq!(view(&[0, 1, 2, 1, 0], 3, 2), Ok(vec![1, 0]));
+        for (words, rows, count) in [
+            (&[0, 1, 2, 1, 0][..], 3, 3),
+            (&[1, 1, 2, 1, 0], 3, 2),
+            (&[0, 3, 2, 1, 0], 3, 2),
+            (&[0, 1, 3, 1, 0], 3, 2),
+            (&[0, 1, 2, 1, 2], 3, 2),
+            (&[1], 0, 0),
+        ] {
+            assert!(view(words, rows, count).is_err(), "{words:?}");
+        }
     }
 }

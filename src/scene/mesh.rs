@@ -3,17 +3,19 @@
 use glam::{DVec3, Vec3};
 
 use super::reflectance::LobeFrame;
+use super::survey::{Polygons, Survey};
+use crate::base::Array;
 use crate::base::ids::TriangleId;
 
-/// A triangle mesh. Every index is in range and every coordinate finite: [`Mesh::new`] sees to it.
+/// A triangle mesh. Every index is in range and every coordinate finite: all that make one see to it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mesh {
     /// What was subtracted from the file's coordinates, in f64: the centre of the bounding box.
     pub origin: DVec3,
     /// Vertices relative to `origin`, in the file's units.
-    pub positions: Vec<Vec3>,
+    pub positions: Array<Vec3>,
     /// Vertex indices, counter-clockwise seen from outside.
-    pub triangles: Vec<[u32; 3]>,
+    pub triangles: Array<[u32; 3]>,
 }
 
 /// Why vertices and indices make no mesh.
@@ -43,34 +45,55 @@ pub enum MeshError {
         /// How many vertices there are.
         vertices: usize,
     },
+    /// A second look found something else.
+    #[error("it changed while it was read")]
+    Changed,
+}
+
+/// Up to here, products of three coordinates stay within f32.
+pub(super) fn near(position: Vec3) -> bool {
+    position.is_finite() && position.abs().max_element() <= 1e12
 }
 
 impl Mesh {
     /// A mesh of vertices in file coordinates and triangles that index them.
     pub fn new(vertices: &[DVec3], triangles: Vec<[u32; 3]>) -> Result<Mesh, MeshError> {
+        let mut survey = Survey::default();
+        vertices.iter().for_each(|&at| survey.vertex(at));
+        triangles.iter().for_each(|&t| survey.triangle(t));
+        let mut filling = survey.filling()?;
+        vertices.iter().for_each(|&at| filling.vertex(at));
+        filling.finish_with(triangles)
+    }
+
+    /// A mesh of what a file says are its parts.
+    ///
+    /// # Errors
+    /// In words, what of them is not as [`Mesh::new`] makes it.
+    pub fn of_parts(origin: DVec3, positions: Array<Vec3>, triangles: Array<[u32; 3]>) -> Result<Mesh, MeshError> {
         if triangles.is_empty() {
             return Err(MeshError::NoFaces);
         }
         if triangles.len() >= u32::MAX as usize {
             return Err(MeshError::TooMany(triangles.len()));
         }
-        if let Some((vertex, &at)) = vertices.iter().enumerate().find(|(_, v)| !v.is_finite()) {
-            return Err(MeshError::NotFinite { vertex, at });
+        if let Some(vertex) = positions.iter().position(|p| !near(*p)) {
+            return Err(MeshError::NotFinite { vertex, at: positions[vertex].as_dvec3() + origin });
         }
-        for (face, t) in triangles.iter().enumerate() {
-            if let Some(&index) = t.iter().find(|&&i| i as usize >= vertices.len()) {
-                return Err(MeshError::OutOfRange { face, index: u64::from(index), vertices: vertices.len() });
-            }
+        if !origin.is_finite() {
+            return Err(MeshError::NotFinite { vertex: 0, at: origin });
         }
-        let low = vertices.iter().copied().fold(DVec3::INFINITY, DVec3::min);
-        let high = vertices.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
-        let origin = low * 0.5 + high * 0.5;
-        let positions: Vec<Vec3> = vertices.iter().map(|v| (*v - origin).as_vec3()).collect();
-        // Up to here, products of three coordinates stay within f32.
-        if let Some(vertex) = positions.iter().position(|p| p.is_nan() || p.abs().max_element() > 1e12) {
-            return Err(MeshError::NotFinite { vertex, at: vertices[vertex] });
+        let vertices = positions.len();
+        let beyond = |t: &[u32; 3]| t.iter().copied().find(|&i| i as usize >= vertices);
+        if let Some((face, index)) = triangles.iter().enumerate().find_map(|(face, t)| Some((face, beyond(t)?))) {
+            return Err(MeshError::OutOfRange { face, index: u64::from(index), vertices });
         }
         Ok(Mesh { origin, positions, triangles })
+    }
+
+    /// Bytes of memory that it holds: none where it lies in a mapped file.
+    pub fn held(&self) -> u64 {
+        self.positions.held() + self.triangles.held()
     }
 
     /// Number of triangles.
@@ -86,7 +109,8 @@ impl Mesh {
     /// The corners of a triangle, relative to the origin.
     #[inline]
     pub fn corners(&self, t: TriangleId) -> [Vec3; 3] {
-        self.triangles[t as usize].map(|i| self.positions[i as usize])
+        let positions: &[Vec3] = &self.positions;
+        self.triangles[t as usize].map(|i| positions[i as usize])
     }
 
     /// The geometric unit normal, counter-clockwise side; `None` for a triangle without area.

@@ -11,6 +11,7 @@ pub mod material;
 pub mod mesh;
 pub mod pose;
 pub mod reflectance;
+pub mod survey;
 pub mod view;
 
 pub use material::Material;

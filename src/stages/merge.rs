@@ -8,10 +8,10 @@ use super::shards::Shard;
 use crate::base::{Error, Result};
 use crate::codec::npy::NpyWriter;
 use crate::disk::{FileEntry, Store};
+use crate::scene::Material;
 use crate::scene::adjacency::Adjacency;
 use crate::scene::evidence::{Evidence, Filled};
 use crate::scene::reflectance::FRONT_BINS;
-use crate::scene::{Material, Mesh};
 
 /// Section `[merge]`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -64,25 +64,30 @@ impl Materials {
     /// Bytes of memory per triangle.
     pub const BYTES_PER_TRIANGLE: u64 = (size_of::<[f32; Material::LEN]>() + size_of::<Evidence>()) as u64;
 
-    /// Puts every shard's rows in their place, then, if `fill`, fills what was hardly seen.
+    /// Puts every shard's rows in their place among those of `count` triangles; then, if it is known which of them touch,
+    /// fills what was hardly seen.
     ///
     /// # Errors
     /// A shard whose rows cannot be read or are not those of this mesh.
-    pub fn merge(store: &dyn Store, shards: &[Shard], mesh: &Mesh, fill: bool) -> Result<Materials> {
+    pub fn merge(
+        store: &dyn Store,
+        shards: &[Shard],
+        count: usize,
+        adjacency: Option<&Adjacency>,
+    ) -> Result<Materials> {
         let nothing = Evidence { filled: Filled::Nothing, ..Evidence::default() };
-        let mut all =
-            Materials { rows: vec![[f32::NAN; Material::LEN]; mesh.len()], evidence: vec![nothing; mesh.len()] };
+        let mut all = Materials { rows: vec![[f32::NAN; Material::LEN]; count], evidence: vec![nothing; count] };
         for shard in shards {
             for (triangle, material, evidence) in shard.rows(store)?.rows {
                 let at = triangle as usize;
-                if at >= mesh.len() {
+                if at >= count {
                     return Err(Error::invalid(format!("shard {} goes past the mesh's end", shard.number)));
                 }
                 (all.rows[at], all.evidence[at]) = (material, evidence);
             }
         }
-        if fill {
-            self::fill(&Adjacency::of(mesh), &mut all.rows, &mut all.evidence);
+        if let Some(adjacency) = adjacency {
+            fill(adjacency, &mut all.rows, &mut all.evidence);
         }
         Ok(all)
     }

@@ -3,15 +3,18 @@
 use super::ray::{Course, Hit, Ray};
 use super::slab::{EMPTY, Node, WIDTH, larger, smaller};
 use super::triangle::{Packed, intersect};
+use crate::base::Array;
 use crate::base::ids::NO_TRIANGLE;
 
 /// A bounding volume hierarchy, four boxes to a node, over copies of the triangles. Built by [`Bvh::build`](Bvh::build).
 #[derive(Debug, Clone)]
 pub struct Bvh {
-    /// The root first; none if there is nothing to hit.
-    pub(super) nodes: Vec<Node>,
+    /// None if there is nothing to hit.
+    pub(super) nodes: Array<Node>,
     /// In the order of the leaves.
-    pub(super) triangles: Vec<Packed>,
+    pub(super) triangles: Array<Packed>,
+    /// The node that all others are below.
+    pub(super) root: u32,
     /// The power of two that coordinates were multiplied by.
     pub(super) scale: f64,
 }
@@ -36,12 +39,17 @@ impl Bvh {
         self.triangles.is_empty()
     }
 
-    /// Bytes of memory that it holds per triangle, at most.
+    /// Bytes that it takes per triangle, at most.
     pub const BYTES_PER_TRIANGLE: u64 = 96;
 
-    /// Bytes of memory that it holds.
+    /// Bytes that it takes, wherever they are.
     pub fn bytes(&self) -> u64 {
         (size_of_val(&self.nodes[..]) + size_of_val(&self.triangles[..])) as u64
+    }
+
+    /// Bytes of memory that it holds: none where it lies in a mapped file.
+    pub fn held(&self) -> u64 {
+        self.nodes.held() + self.triangles.held()
     }
 
     /// The nearest triangle at a distance in (0, `t_max`], in lengths of the ray's direction; the one with the lower id
@@ -69,7 +77,8 @@ impl Bvh {
         }
         let unit = course.unit / self.scale;
         let mut best = Best { t: (f64::from(t_max) / unit) as f32, ..Best::NONE };
-        let mut stack = [(0f32, 0u32); STACK];
+        let (nodes, triangles): (&[Node], &[Packed]) = (&self.nodes, &self.triangles);
+        let mut stack = [(0f32, self.root); STACK];
         let mut held = 1;
         while held > 0 {
             held -= 1;
@@ -77,7 +86,7 @@ impl Bvh {
             if entry > best.t {
                 continue;
             }
-            let node = &self.nodes[node as usize];
+            let node = &nodes[node as usize];
             let entries = enter(node, &origin, &course, best.t);
             let from = held;
             for (i, &entry) in entries.iter().enumerate() {
@@ -89,7 +98,7 @@ impl Bvh {
                     held += 1;
                     continue;
                 }
-                for packed in self.leaf(node, i) {
+                for packed in leaf(triangles, node, i) {
                     let Some(meeting) = intersect(packed, &origin, &course) else { continue };
                     best.offer(packed.id, meeting);
                     if ANY && best.is_some() {
@@ -102,13 +111,13 @@ impl Bvh {
         }
         best.is_some().then(|| best.hit(unit))
     }
+}
 
-    /// The triangles of a leaf.
-    #[inline(always)]
-    pub(super) fn leaf(&self, node: &Node, i: usize) -> &[Packed] {
-        let first = node.child[i] as usize;
-        &self.triangles[first..first + usize::from(node.count[i])]
-    }
+/// The triangles of a leaf.
+#[inline(always)]
+pub(super) fn leaf<'a>(triangles: &'a [Packed], node: &Node, i: usize) -> &'a [Packed] {
+    let first = node.child[i] as usize;
+    &triangles[first..first + usize::from(node.count[i])]
 }
 
 /// The nearest meeting so far.

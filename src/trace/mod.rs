@@ -12,13 +12,15 @@
 //!   keeps products of small or large numbers in range.
 //!
 //! Memory: a triangle takes 40 bytes (its corners and its id, in the order of the leaves) and its share of the nodes,
-//! 128 bytes for up to four boxes: [`Bvh::bytes`] says how many. `build` tells what building takes besides.
+//! 128 bytes for up to four boxes: [`Bvh::bytes`] says how many. `build` tells what building takes besides. A tree may
+//! lie in a mapped file (`stored`); then it is the system's to drop and read again.
 
-mod build;
+pub mod build;
 mod bvh;
 mod packet;
 mod ray;
 mod slab;
+mod stored;
 #[cfg(test)]
 mod tests;
 pub mod tile;
@@ -27,4 +29,5 @@ pub mod view;
 
 pub use bvh::Bvh;
 pub use ray::{Hit, Ray};
+pub use stored::Stored;
 pub use view::TileRays;

@@ -4,9 +4,9 @@
 //! All lanes share the order of their axes and the signs of their directions (`tile` sees to it), so that nothing in
 //! the lanes branches. A lane's arithmetic is that of `Bvh::nearest`, operation by operation.
 
-use super::bvh::{Best, Bvh, STACK};
+use super::bvh::{Best, Bvh, STACK, leaf};
 use super::ray::Course;
-use super::slab::{EMPTY, WIDTH, larger, smaller};
+use super::slab::{EMPTY, Node, WIDTH, larger, smaller};
 use super::triangle::{Packed, meet};
 
 /// Rays of a packet.
@@ -47,7 +47,8 @@ impl Packet {
 
     /// The nearest triangle of each lane.
     pub fn cast(mut self, bvh: &Bvh, origin: &[f32; 3]) -> [Best; LANES] {
-        let mut stack = [(0f32, 0u32); STACK];
+        let (nodes, triangles): (&[Node], &[Packed]) = (&bvh.nodes, &bvh.triangles);
+        let mut stack = [(0f32, bvh.root); STACK];
         let mut held = usize::from(!bvh.is_empty());
         while held > 0 {
             held -= 1;
@@ -55,7 +56,7 @@ impl Packet {
             if entry > self.farthest() {
                 continue;
             }
-            let node = &bvh.nodes[node as usize];
+            let node = &nodes[node as usize];
             let [near, far] = node.planes(origin, self.signs);
             let from = held;
             for i in 0..WIDTH {
@@ -70,7 +71,7 @@ impl Packet {
                     stack[held] = (entry, node.child[i]);
                     held += 1;
                 } else {
-                    for packed in bvh.leaf(node, i) {
+                    for packed in leaf(triangles, node, i) {
                         self.intersect(packed, origin);
                     }
                 }

@@ -10,6 +10,8 @@
 //! Rounding keeps order, so a box inside another never has the larger interval; and `tmin <= t_max` lets equal distances
 //! through, so that ties are seen.
 
+use bytemuck::{Pod, Zeroable};
+
 /// Boxes of a node.
 pub(super) const WIDTH: usize = 4;
 
@@ -20,7 +22,7 @@ const PAD: f32 = 1.0 / (1 << 20) as f32;
 const PAD_LEAST: f32 = 1e-30;
 
 /// Four children: 128 bytes, two cache lines.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub(super) struct Node {
     /// Lower corners: axis, then child.
@@ -31,12 +33,19 @@ pub(super) struct Node {
     pub child: [u32; WIDTH],
     /// Triangles of a leaf; 0 for a node; [`EMPTY`].
     pub count: [u8; WIDTH],
+    /// Zeros up to the end of the line: every byte of a node is a value.
+    pub rest: [u32; 3],
 }
 
 impl Node {
     /// A node without children.
-    pub const VACANT: Node =
-        Node { low: [[0.0; WIDTH]; 3], high: [[0.0; WIDTH]; 3], child: [0; WIDTH], count: [EMPTY; WIDTH] };
+    pub const VACANT: Node = Node {
+        low: [[0.0; WIDTH]; 3],
+        high: [[0.0; WIDTH]; 3],
+        child: [0; WIDTH],
+        count: [EMPTY; WIDTH],
+        rest: [0; 3],
+    };
 
     /// The planes that a ray from `origin` meets first and last, padded, relative to the origin: axis, then child.
     #[inline(always)]

@@ -11,7 +11,7 @@ use crate::base::ids::NO_TRIANGLE;
 use crate::scene::Mesh;
 
 fn mesh(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Mesh {
-    Mesh { origin: DVec3::ZERO, positions, triangles }
+    Mesh { origin: DVec3::ZERO, positions: positions.into(), triangles: triangles.into() }
 }
 
 /// Triangles of their own corners.
@@ -29,7 +29,7 @@ fn brute(bvh: &Bvh, ray: &Ray, t_max: f32) -> Option<Hit> {
     let (origin, course) = (bvh.scaled(ray.origin)?, Course::new(ray.direction)?);
     let unit = course.unit / bvh.scale;
     let mut best = Best { t: (f64::from(t_max) / unit) as f32, ..Best::NONE };
-    for packed in &bvh.triangles {
+    for packed in bvh.triangles.iter() {
         if let Some(meeting) = intersect(packed, &origin, &course) {
             best.offer(packed.id, meeting);
         }
@@ -227,7 +227,7 @@ fn rays_at_vertices_and_edges_never_pass_a_closed_mesh() {
     ];
     for (mesh, centre, inside) in &closed {
         let bvh = Bvh::build(mesh);
-        for &[a, b, c] in &mesh.triangles {
+        for &[a, b, c] in mesh.triangles.iter() {
             let [a, b, c] = [a, b, c].map(|i| mesh.positions[i as usize]);
             let targets = [a, b, c, (a + b) * 0.5, a.lerp(b, 0.125), b.lerp(c, rng.random()), c.lerp(a, rng.random())];
             let from_inside = *centre + *inside * 0.57 * vector(&mut rng);
@@ -334,7 +334,7 @@ fn many_like_boxes_do_not_stall_the_build() {
     let repeated = (0..60_000).flat_map(|_| [Vec3::ZERO, Vec3::X, Vec3::Y]);
     for corners in [strip.collect::<Vec<_>>(), repeated.collect()] {
         let bvh = Bvh::build(&soup(corners));
-        assert!(depth(&bvh, 0) <= DEPTH);
+        assert!(depth(&bvh, bvh.root) <= DEPTH);
         assert_eq!(agree(&bvh, Vec3::new(0.2, 0.3, 9.0), &[Vec3::NEG_Z]), 1);
     }
 }
@@ -351,10 +351,40 @@ fn trees_deeper_than_the_stack_are_balanced() {
     // Each triangle holds all that follow: clustering makes a chain of them.
     let nested = |n: i32| (0..n).flat_map(|i| [Vec3::ZERO, Vec3::X, Vec3::Y].map(|p| p * 0.8f32.powi(i))).collect();
     let bvh = Bvh::build(&soup(nested(380)));
-    let depth = depth(&bvh, 0);
+    let depth = depth(&bvh, bvh.root);
     assert!(depth > 20 && depth <= DEPTH, "{depth} levels");
     for at in [Vec3::new(0.1, 0.1, 0.0), Vec3::new(1e-9, 1e-9, 0.0), Vec3::splat(1e-38)] {
         agree(&bvh, Vec3::Z, &[at - Vec3::Z, at * 0.5 - Vec3::Z]);
+    }
+}
+
+#[test]
+fn a_tree_in_parts_hits_what_a_whole_one_hits() {
+    let mut rng = Pcg64Mcg::seed_from_u64(5);
+    let scattered: Vec<Vec3> =
+        (0..3000).flat_map(|_| [vector(&mut rng); 3].map(|c| c + 0.05 * vector(&mut rng))).collect();
+    let (sphere, repeated) = (icosphere(4, Vec3::ONE), soup([Vec3::ZERO, Vec3::X, Vec3::Y].repeat(500)));
+    for mesh in [soup(scattered), sphere, repeated] {
+        let whole = Bvh::build(&mesh);
+        for most in [1, 5, 100, mesh.len() - 1] {
+            let parts = Bvh::build_in_parts(&mesh, most);
+            assert_eq!(parts.len(), whole.len());
+            let levels = depth(&parts, parts.root);
+            assert!(levels <= depth(&whole, whole.root) + 16 && levels <= DEPTH, "{levels} levels of parts of {most}");
+            for _ in 0..6 {
+                let origin = 2.0 * vector(&mut rng);
+                let directions: Vec<Vec3> = (0..16).map(|_| vector(&mut rng) - origin).collect();
+                agree(&parts, origin, &directions);
+                let bits = |b: &Bvh| {
+                    directions
+                        .clone()
+                        .into_iter()
+                        .map(|direction| bits(b.nearest(&Ray { origin, direction }, f32::INFINITY)))
+                        .collect::<Vec<_>>()
+                };
+                assert_eq!(bits(&parts), bits(&whole));
+            }
+        }
     }
 }
 

@@ -7,11 +7,13 @@
 //! exact: the signs are then those of exact arithmetic, so that what one side of an edge lets pass the other side holds;
 //! and the weights, hence t, u and v, are right to a few units in the last place of an f64 however thin the triangle.
 
+use bytemuck::{Pod, Zeroable};
+
 use super::ray::Course;
 use crate::base::ids::TriangleId;
 
 /// A triangle as leaves hold it, in scaled coordinates: 40 bytes.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 pub(super) struct Packed {
     /// Vertices 0, 1, 2.

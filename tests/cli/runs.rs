@@ -83,7 +83,7 @@ fn poses_that_see_nothing_of_the_mesh_are_told_of() {
     let city = ply::read_mesh(&mesh).unwrap();
     let moved: Vec<_> = city.positions.iter().map(|p| p.as_dvec3() + city.origin + DVec3::X * 1e6).collect();
     let mut out = Vec::new();
-    ply::write_mesh(&mut out, &Mesh::new(&moved, city.triangles).unwrap(), &[]).unwrap();
+    ply::write_mesh(&mut out, &Mesh::new(&moved, city.triangles.to_vec()).unwrap(), &[]).unwrap();
     fs::write(&mesh, out).unwrap();
     run(&dir, "work", "", 1).says("no pixel of any frame saw the mesh");
 }

@@ -84,7 +84,7 @@ fn every_encoding_and_every_type_is_the_same_mesh() {
                 let mesh = read(&file(format, real, integers[(n + 3) % integers.len()], index)).unwrap();
                 let corners: Vec<DVec3> = mesh.positions.iter().map(|p| p.as_dvec3() + mesh.origin).collect();
                 assert_eq!(corners, CORNERS.map(DVec3::from), "{format} {real} {index}");
-                assert_eq!(mesh.triangles, TRIANGLES, "{format} {real} {index}");
+                assert_eq!(mesh.triangles[..], TRIANGLES, "{format} {real} {index}");
             }
         }
     }

@@ -55,7 +55,7 @@ pub fn write_mesh(out: &mut impl Write, mesh: &Mesh, columns: &[FaceColumn<'_>])
         writeln!(out, "property {} {}", column.values.type_name(), column.name)?;
     }
     writeln!(out, "end_header")?;
-    for position in &mesh.positions {
+    for position in mesh.positions.iter() {
         for value in (position.as_dvec3() + mesh.origin).to_array() {
             out.write_all(&value.to_le_bytes())?;
         }

@@ -25,9 +25,7 @@ impl Run<'_> {
         if to_do.is_empty() {
             return self.count(groups, &to_do, manifest);
         }
-        let scene = self.budget.reserve("mesh", loaded.bytes())?;
-        let bvh = self.phase("build", vec![], |_| Ok(loaded.bvh()))?;
-        let nodes = self.budget.reserve("hierarchy", bvh.bytes())?;
+        let bvh = loaded.bvh();
         let pipeline = self.pipeline;
         let replay = format!("gonio buffers {} --out frame.exr", pipeline.file.display());
         let decode = Decode {
@@ -47,7 +45,6 @@ impl Run<'_> {
             .map("cast", cast, self.threads, QUEUE)
             .fold("gather", gather, QUEUE);
         self.phase("cast", flow.meters(), |_| flow.run())?;
-        drop((scene, nodes));
         self.count(groups, &to_do, manifest)
     }
 

@@ -15,7 +15,7 @@ use std::time::{Duration, Instant};
 
 use super::plan::Inputs;
 use super::report::{Phase, Stage, Triangles};
-use super::scene::Loaded;
+use super::scene::{self, Loaded, SCENES};
 use super::{Pipeline, Plan, Progress, Report, resume};
 use crate::base::units::Bytes;
 use crate::base::{Error, Result};
@@ -81,7 +81,7 @@ fn run_on(store: Arc<dyn Store>, pipeline: &Pipeline, stop: &StopSignal, progres
 /// Opens the manifest of a run, and tells what was found to be wrong.
 fn open(store: &Arc<dyn Store>, progress: &Progress) -> Result<Manifest> {
     let exports = Format::ALL.map(Format::file);
-    let mut owned = vec![SEGMENTS, SHARDS, MATERIALS, EVIDENCE];
+    let mut owned = vec![SCENES, SEGMENTS, SHARDS, MATERIALS, EVIDENCE];
     owned.extend(exports.iter().map(String::as_str));
     let (manifest, Opening { set_aside, copied, lost, .. }) = Manifest::open(Arc::clone(store), &owned)?;
     if let Some((file, why)) = set_aside {
@@ -141,8 +141,8 @@ impl<'a> Run<'a> {
         // The network is tried before anything costly starts.
         let estimator = estimator(self.pipeline)?;
         self.report.backend = estimator.describe();
-        let (loaded, groups) = self.phase("load", vec![], |run| {
-            let loaded = Loaded::read(run.pipeline)?;
+        let (mut loaded, groups) = self.phase("load", vec![], |run| {
+            let loaded = Loaded::open(run.pipeline, &*run.store, manifest)?;
             let plan = Plan::new(run.pipeline, Inputs::of(run.pipeline, &loaded, &*estimator)?);
             plan.fits()?;
             (run.threads, run.disk) = (plan.inputs.threads as usize, plan.disk);
@@ -154,12 +154,19 @@ impl<'a> Run<'a> {
         })?;
         resume::forget_others(manifest, FRAMES, groups.iter().map(|group| &group.recipe))?;
 
+        resume::forget_others(manifest, scene::SCENE, [&scene::recipe(loaded.mesh_key)])?;
+
+        if !loaded.is_mapped() {
+            let _held = self.budget.reserve("scene", loaded.mesh.held() + loaded.building())?;
+            let cache = |run: &mut Self| loaded.cache(&*run.store, manifest, &|| run.stop.draining());
+            self.phase("build", vec![], cache)?;
+        }
         self.map(&loaded, &groups, manifest)?;
         let (materials, _held, tables) = self.reduce(&loaded, &groups, &*estimator, manifest)?;
         self.export(&tables, &loaded.mesh, &materials, manifest)?;
         self.report.triangles = Triangles {
             total: loaded.mesh.len() as u64,
-            degenerate: loaded.mesh.degenerate() as u64,
+            degenerate: loaded.degenerate(),
             seen: materials.count(Filled::Observed),
             filled: materials.count(Filled::Neighbours) + materials.count(Filled::SceneMean),
             empty: materials.count(Filled::Nothing),

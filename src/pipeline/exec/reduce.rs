@@ -48,7 +48,8 @@ impl Run<'_> {
             return Ok((read_materials(&*self.store)?, held, tables));
         }
         let materials = self.phase("merge", vec![], |run| {
-            let materials = Materials::merge(&*run.store, &all, &loaded.mesh, run.pipeline.merge.fill)?;
+            let adjacency = run.pipeline.merge.fill.then(|| loaded.adjacency());
+            let materials = Materials::merge(&*run.store, &all, loaded.mesh.len(), adjacency.as_ref())?;
             manifest.commit([(tables.clone(), materials.write(&*run.store)?)])?;
             Ok(materials)
         })?;
