@@ -1,0 +1,161 @@
+//! Whole runs on cities of any size: wall time of each phase, peak of the memory that the system cannot take back, disk,
+//! and what a kill costs. Hours at full size, so it does nothing unless it is told what to run:
+//!
+//! ```text
+//! cargo bench --bench scale -- --work DIR --triangles 2000000 --frames 100,400,1600 --memory 3GiB
+//! cargo bench --bench scale -- --work DIR --triangles 10000000 --frames 2000 --memory 3GiB --kills 10
+//! ```
+//!
+//! Cities are kept in DIR and used again. The table goes to standard output, and every figure as a line of JSON to `--out`.
+#![expect(clippy::print_stdout, clippy::print_stderr, reason = "a bench is a program")]
+
+mod process;
+
+use std::fs::{self, OpenOptions};
+use std::io::{self, Error, Write};
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use clap::Parser;
+use process::gonio;
+use serde_json::{Value, json};
+
+/// Whole runs on cities of any size.
+#[derive(Parser)]
+struct Options {
+    /// Given by cargo
+    #[arg(long, hide = true)]
+    bench: bool,
+    /// Where cities and runs go
+    #[arg(long, requires = "frames")]
+    work: Option<PathBuf>,
+    /// Triangles to aim at
+    #[arg(long, default_value_t = 2_000_000)]
+    triangles: u32,
+    /// Photographs: a run for each count
+    #[arg(long, value_delimiter = ',')]
+    frames: Vec<u32>,
+    /// Columns of a photograph
+    #[arg(long, default_value_t = 1600)]
+    width: u32,
+    /// Rows of a photograph
+    #[arg(long, default_value_t = 1200)]
+    height: u32,
+    /// The limit
+    #[arg(long, default_value = "3GiB")]
+    memory: String,
+    /// Threads
+    #[arg(long, default_value_t = 2)]
+    threads: u32,
+    /// Kills of a second run, spread over its time
+    #[arg(long, default_value_t = 0)]
+    kills: u32,
+    /// Where a line of JSON is added for every run
+    #[arg(long)]
+    out: Option<PathBuf>,
+}
+
+fn main() -> io::Result<()> {
+    let options = Options::parse();
+    let Some(work) = options.work.as_deref().filter(|_| !options.frames.is_empty()) else {
+        eprintln!("nothing to do: name --work and --frames (see benches/scale)");
+        return Ok(());
+    };
+    println!(
+        "| triangles | frames | city | load | build | cast | infer | merge | export | all | peak memory | disk | a kill costs |"
+    );
+    println!("|---|---|---|---|---|---|---|---|---|---|---|---|---|");
+    for &frames in &options.frames {
+        let figures = measure(&options, work, frames)?;
+        println!("{}", row(&figures));
+        if let Some(out) = &options.out {
+            writeln!(OpenOptions::new().create(true).append(true).open(out)?, "{figures}")?;
+        }
+    }
+    Ok(())
+}
+
+/// Makes the city, runs on it, and runs again with kills.
+fn measure(options: &Options, work: &Path, frames: u32) -> io::Result<Value> {
+    let Options { triangles, width, height, memory, threads, kills, .. } = options;
+    let name = format!("{triangles}x{frames}-{width}x{height}");
+    let city = work.join(format!("city-{name}"));
+    let args = format!("--triangles {triangles} --frames {frames} --width {width} --height {height}");
+    let made = gonio(&format!("synth city --out {} {args} --supersampling 1", city.display()), None)?.whole()?;
+    let file = work.join(format!("{name}.toml"));
+    fs::write(&file, pipeline(&city, memory, *threads))?;
+    let run = |folder: &Path| format!("run {} --set run.work={}", file.display(), folder.display());
+
+    let folder = work.join(format!("run-{name}"));
+    fs::remove_dir_all(&folder).or_else(ignore_missing)?;
+    let whole = gonio(&run(&folder), None)?.whole()?;
+    let report: Value = serde_json::from_slice(&fs::read(folder.join("report.json"))?)?;
+    let mut figures = json!({
+        "triangles": report["triangles"]["total"], "frames": frames, "size": [width, height], "memory": memory,
+        "threads": threads, "city_seconds": made.wall.as_secs_f64(), "city_peak": made.peak,
+        "seconds": whole.wall.as_secs_f64(), "peak": whole.peak, "disk": size(&folder)?, "report": report,
+    });
+    if *kills > 0 {
+        let killed = work.join(format!("killed-{name}"));
+        fs::remove_dir_all(&killed).or_else(ignore_missing)?;
+        let (mut spent, mut peak) = (Duration::ZERO, 0);
+        for _ in 0..*kills {
+            let tried = gonio(&run(&killed), Some(whole.wall / (kills + 1)))?;
+            (spent, peak) = (spent + tried.wall, peak.max(tried.peak));
+        }
+        let last = gonio(&run(&killed), None)?.whole()?;
+        let lost = (spent + last.wall).saturating_sub(whole.wall) / *kills;
+        figures["kill_costs"] = json!(lost.as_secs_f64());
+        figures["killed_peak"] = json!(peak.max(last.peak));
+        for output in ["materials.npy", "evidence.npy", "export/scene.ply", "export/scene.glb"] {
+            if !same(&folder.join(output), &killed.join(output))? {
+                return Err(Error::other(format!("{output} of the killed run differs")));
+            }
+        }
+    }
+    Ok(figures)
+}
+
+fn pipeline(city: &Path, memory: &str, threads: u32) -> String {
+    format!(
+        "[scene]\nmesh = \"{0}/mesh.ply\"\nimages = \"{0}/images\"\n\
+         poses = {{ format = \"colmap\", path = \"{0}/sparse/0\" }}\n\
+         [run]\nwork = \"unused\"\nmemory = \"{memory}\"\nthreads = {threads}\n",
+        city.display()
+    )
+}
+
+fn row(figures: &Value) -> String {
+    let seconds = |value: &Value| value.as_f64().map_or("-".to_owned(), |s| format!("{s:.1} s"));
+    let mib = |value: &Value| value.as_u64().map_or("-".to_owned(), |b| format!("{} MiB", b >> 20));
+    let phase = |name: &str| {
+        let phases = figures["report"]["phases"].as_array();
+        let found = phases.and_then(|all| all.iter().find(|phase| phase["name"] == name));
+        found.map_or("-".to_owned(), |phase| seconds(&phase["seconds"]))
+    };
+    let mut cells =
+        vec![figures["triangles"].to_string(), figures["frames"].to_string(), seconds(&figures["city_seconds"])];
+    cells.extend(["load", "build", "cast", "infer", "merge", "export"].map(phase));
+    cells.extend([seconds(&figures["seconds"]), mib(&figures["peak"]), mib(&figures["disk"])]);
+    cells.push(seconds(&figures["kill_costs"]));
+    format!("| {} |", cells.join(" | "))
+}
+
+/// Bytes of all files below a folder.
+fn size(folder: &Path) -> io::Result<u64> {
+    let mut sum = 0;
+    for entry in fs::read_dir(folder)? {
+        let (path, kind) = entry.map(|e| (e.path(), e.file_type()))?;
+        sum += if kind?.is_dir() { size(&path)? } else { fs::metadata(&path)?.len() };
+    }
+    Ok(sum)
+}
+
+fn same(one: &Path, other: &Path) -> io::Result<bool> {
+    let hash = |path: &Path| -> io::Result<_> { Ok(blake3::Hasher::new().update_mmap(path)?.finalize()) };
+    Ok(hash(one)? == hash(other)?)
+}
+
+fn ignore_missing(why: Error) -> io::Result<()> {
+    if why.kind() == io::ErrorKind::NotFound { Ok(()) } else { Err(why) }
+}
