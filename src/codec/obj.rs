@@ -13,34 +13,46 @@ use glam::DVec3;
 
 use crate::base::{Error, Result};
 use crate::scene::Mesh;
+use crate::scene::mesh::MeshError;
+use crate::scene::survey::{Polygons, Survey};
 
 /// The longest statement, bytes: a wrong file must not be gathered as one line.
 const LONGEST: u64 = 1 << 20;
 
-/// Reads a mesh, in f64.
+/// Reads a mesh, in f64 and in two passes over the file, so that nothing is held but the mesh.
 ///
 /// # Errors
 /// If the file cannot be read; if there are no faces, or a statement is wrong: with its line.
 pub fn read_mesh(path: &Path) -> Result<Mesh> {
+    let wrong = |why: MeshError| Error::malformed(path, why.to_string());
+    let mut survey = Survey::default();
+    tell(path, &mut survey)?;
+    let mut filling = survey.filling().map_err(wrong)?;
+    tell(path, &mut filling)?;
+    filling.finish().map_err(wrong)
+}
+
+/// Reads the file once.
+fn tell(path: &Path, to: &mut impl Polygons) -> Result<()> {
     let file = File::open(path).map_err(Error::io("open", path))?;
-    let mut mesh = Polygons::default();
+    let mut told = Told { to, vertices: 0, faces: 0 };
     let mut lines = Lines { reader: BufReader::with_capacity(1 << 18, file), number: 0 };
     let mut statement = Vec::new();
     while let Some(line) = lines.next(&mut statement).map_err(|why| why.at(path))? {
         let text = String::from_utf8_lossy(&statement);
-        mesh.add(&text).map_err(|found| Error::malformed(path, format!("line {line}: {found}")))?;
+        told.add(&text).map_err(|found| Error::malformed(path, format!("line {line}: {found}")))?;
     }
-    Mesh::new(&mesh.vertices, mesh.triangles).map_err(|e| Error::malformed(path, e.to_string()))
+    Ok(())
 }
 
-#[derive(Default)]
-struct Polygons {
-    vertices: Vec<DVec3>,
-    triangles: Vec<[u32; 3]>,
+/// What the statements so far have told.
+struct Told<'a, P> {
+    to: &'a mut P,
+    vertices: usize,
     faces: u64,
 }
 
-impl Polygons {
+impl<P: Polygons> Told<'_, P> {
     /// Adds what a statement says; in words what is wrong with it.
     fn add(&mut self, statement: &str) -> Result<(), String> {
         let statement = statement.split('#').next().unwrap_or_default();
@@ -53,7 +65,7 @@ impl Polygons {
     }
 
     fn vertex<'a>(&mut self, mut words: impl Iterator<Item = &'a str>) -> Result<(), String> {
-        let at = self.vertices.len();
+        let at = self.vertices;
         let mut xyz = [0.0; 3];
         for value in &mut xyz {
             let word = words.next().ok_or_else(|| format!("vertex {at} has fewer than three coordinates"))?;
@@ -63,7 +75,8 @@ impl Polygons {
         if !vertex.is_finite() {
             return Err(format!("vertex {at} is {vertex}: coordinates must be finite"));
         }
-        self.vertices.push(vertex);
+        self.to.vertex(vertex);
+        self.vertices += 1;
         Ok(())
     }
 
@@ -82,7 +95,7 @@ impl Polygons {
             b = c;
             next = corner();
         }
-        self.triangles.append(&mut fan);
+        fan.into_iter().for_each(|t| self.to.triangle(t));
         Ok(())
     }
 
@@ -90,7 +103,7 @@ impl Polygons {
     fn index(&self, corner: &str) -> Result<u32, String> {
         let word = corner.split('/').next().unwrap_or_default();
         let named: i64 = word.parse().map_err(|_| format!("{:?} is not a whole number", shortened(corner)))?;
-        let count = self.vertices.len() as i64;
+        let count = self.vertices as i64;
         let position = if named < 0 { count.checked_add(named) } else { named.checked_sub(1) };
         position.filter(|p| (0..count).contains(p)).and_then(|p| u32::try_from(p).ok()).ok_or_else(|| {
             format!("refers to vertex {named}, but there are {count} above it, counted from 1 or back from -1")

@@ -5,20 +5,18 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use super::Polygons;
-use super::faces::Faces;
+use super::faces::fan;
 use super::header::{Element, Header, Kind};
 use crate::base::{Error, Result};
+use crate::scene::survey::Polygons;
 
 /// The longest value, bytes: longer ones are no numbers, and must not be gathered.
 const LONGEST: usize = 512;
 
-/// Reads all elements.
-pub(super) fn read(header: &Header, reader: impl BufRead, path: &Path) -> Result<Polygons> {
+/// Tells of all vertices and faces.
+pub(super) fn read(header: &Header, reader: impl BufRead, path: &Path, to: &mut impl Polygons) -> Result<()> {
     let mut words = Words { reader, word: Vec::new(), path };
-    // The header was held against the file's length: neither is longer than the file.
-    let mut vertices = Vec::with_capacity(header.vertex().count as usize);
-    let mut faces = Faces::new(header.vertex().count, header.face().count as usize);
+    let vertices = header.vertex().count;
     let mut corners = Vec::new();
     for element in &header.elements {
         let (xyz, indices) = match element.name.as_str() {
@@ -46,17 +44,17 @@ pub(super) fn read(header: &Header, reader: impl BufRead, path: &Path) -> Result
                             }
                         }
                         if indices == Some(at) {
-                            faces.push(row, &corners).map_err(|found| Error::malformed(path, found))?;
+                            fan(vertices, row, &corners, to).map_err(|found| Error::malformed(path, found))?;
                         }
                     }
                 }
             }
             if xyz.is_some() {
-                vertices.push(vertex);
+                to.vertex(vertex);
             }
         }
     }
-    Ok(Polygons { vertices, faces })
+    Ok(())
 }
 
 /// The file's values.

@@ -5,27 +5,31 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use super::Polygons;
-use super::faces::Faces;
+use super::faces::fan;
 use super::header::{Element, Header, Kind, Property};
 use super::scalar::{Endian, Scalar};
 use crate::base::{Error, Result};
+use crate::scene::survey::Polygons;
 
 /// Rows of one length that are decoded at a time.
 const ROWS: u64 = 1 << 14;
 
-/// Reads all elements.
-pub(super) fn read(header: &Header, endian: Endian, reader: impl Read, path: &Path) -> Result<Polygons> {
+/// Tells of all vertices and faces.
+pub(super) fn read(
+    header: &Header,
+    endian: Endian,
+    reader: impl Read,
+    path: &Path,
+    to: &mut impl Polygons,
+) -> Result<()> {
     let mut bytes = Bytes { reader, left: header.body, buffer: Vec::new(), path };
-    // The header was held against the file's length: neither is longer than the file.
-    let mut vertices = Vec::with_capacity(header.vertex().count as usize);
-    let mut faces = Faces::new(header.vertex().count, header.face().count as usize);
+    let vertices = header.vertex().count;
     for element in &header.elements {
         let row_bytes = fixed_bytes(&element.properties);
         match (element.name.as_str(), row_bytes) {
-            ("vertex", Some(stride)) => read_vertices(element, stride, endian, &mut bytes, &mut vertices)?,
-            ("vertex", None) => read_uneven_vertices(element, endian, &mut bytes, &mut vertices)?,
-            ("face", _) => read_faces(element, endian, &mut bytes, &mut faces)?,
+            ("vertex", Some(stride)) => read_vertices(element, stride, endian, &mut bytes, to)?,
+            ("vertex", None) => read_uneven_vertices(element, endian, &mut bytes, to)?,
+            ("face", _) => read_faces(element, endian, &mut bytes, vertices, to)?,
             (_, Some(stride)) => bytes.skip(element.count.saturating_mul(stride as u64), element, 0)?,
             (_, None) => {
                 for row in 0..element.count {
@@ -34,7 +38,7 @@ pub(super) fn read(header: &Header, endian: Endian, reader: impl Read, path: &Pa
             }
         }
     }
-    Ok(Polygons { vertices, faces })
+    Ok(())
 }
 
 /// Bytes of the properties, if none is a list.
@@ -52,24 +56,26 @@ fn read_vertices<R: Read>(
     stride: usize,
     endian: Endian,
     bytes: &mut Bytes<'_, R>,
-    vertices: &mut Vec<DVec3>,
+    to: &mut impl Polygons,
 ) -> Result<()> {
     let mut row = 0;
+    let mut vertices = Vec::new();
     while row < element.count {
         let rows = (element.count - row).min(ROWS);
         let chunk = bytes.take(rows as usize * stride, element, row)?;
-        let start = vertices.len();
-        vertices.resize(start + rows as usize, DVec3::NAN);
+        vertices.clear();
+        vertices.resize(rows as usize, DVec3::NAN);
         for (axis, property) in element.xyz().into_iter().flatten().enumerate() {
             let (before, at) = element.properties.split_at(property);
             let (Some(offset), Kind::Scalar(scalar)) = (fixed_bytes(before), at[0].kind) else { continue };
-            let mut out = vertices[start..].iter_mut();
+            let mut out = vertices.iter_mut();
             scalar.reals(endian, chunk.chunks_exact(stride).map(|r| &r[offset..]), |value| {
                 if let Some(vertex) = out.next() {
                     vertex[axis] = value;
                 }
             });
         }
+        vertices.iter().for_each(|&at| to.vertex(at));
         row += rows;
     }
     Ok(())
@@ -80,7 +86,7 @@ fn read_uneven_vertices<R: Read>(
     element: &Element,
     endian: Endian,
     bytes: &mut Bytes<'_, R>,
-    vertices: &mut Vec<DVec3>,
+    to: &mut impl Polygons,
 ) -> Result<()> {
     let Some(xyz) = element.xyz() else { return Ok(()) };
     for row in 0..element.count {
@@ -94,12 +100,18 @@ fn read_uneven_vertices<R: Read>(
                 _ => bytes.skip_property(property, endian, element, row)?,
             }
         }
-        vertices.push(vertex);
+        to.vertex(vertex);
     }
     Ok(())
 }
 
-fn read_faces<R: Read>(element: &Element, endian: Endian, bytes: &mut Bytes<'_, R>, faces: &mut Faces) -> Result<()> {
+fn read_faces<R: Read>(
+    element: &Element,
+    endian: Endian,
+    bytes: &mut Bytes<'_, R>,
+    vertices: u64,
+    to: &mut impl Polygons,
+) -> Result<()> {
     let Some(indices) = element.indices() else { return Ok(()) };
     let (before, rest) = element.properties.split_at(indices);
     let (Kind::List { length, item }, after) = (rest[0].kind, &rest[1..]) else { return Ok(()) };
@@ -110,7 +122,7 @@ fn read_faces<R: Read>(element: &Element, endian: Endian, bytes: &mut Bytes<'_, 
         corners.clear();
         let items = bytes.take(list, element, face)?.chunks_exact(item.size());
         item.integers(endian, items, |index| corners.push(index));
-        faces.push(face, &corners).map_err(|found| Error::malformed(bytes.path, found))?;
+        fan(vertices, face, &corners, to).map_err(|found| Error::malformed(bytes.path, found))?;
         after.iter().try_for_each(|p| bytes.skip_property(p, endian, element, face))?;
     }
     Ok(())

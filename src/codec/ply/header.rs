@@ -46,7 +46,6 @@ pub(super) struct Header {
     /// Bytes of the file after the header.
     pub(super) body: u64,
     vertex: usize,
-    face: usize,
 }
 
 impl Element {
@@ -81,11 +80,6 @@ impl Header {
     /// The element `vertex`.
     pub(super) fn vertex(&self) -> &Element {
         &self.elements[self.vertex]
-    }
-
-    /// The element `face`.
-    pub(super) fn face(&self) -> &Element {
-        &self.elements[self.face]
     }
 
     /// Reads up to and including `end_header` of a file of `length` bytes.
@@ -141,7 +135,7 @@ impl Header {
         };
         let (vertex, element) = find("vertex")?;
         element.xyz().ok_or("element vertex must have scalar properties x, y and z")?;
-        let (face, element) = find("face")?;
+        let (_, element) = find("face")?;
         element
             .indices()
             .ok_or("element face must have a list property vertex_indices (or vertex_index) of integers")?;
@@ -160,7 +154,7 @@ impl Header {
             }
             left = left.saturating_sub(least);
         }
-        Ok(Header { format, elements, body, vertex, face })
+        Ok(Header { format, elements, body, vertex })
     }
 }
 

@@ -23,33 +23,36 @@ use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 
-use glam::DVec3;
-
 use crate::base::{Error, Result};
 use crate::scene::Mesh;
-use faces::Faces;
+use crate::scene::mesh::MeshError;
+use crate::scene::survey::{Polygons, Survey};
 use header::{Format, Header};
 
 pub use write::{FaceColumn, Values, write_mesh};
 
-/// What was read out of the elements, in f64 and not yet checked as a mesh.
-struct Polygons {
-    vertices: Vec<DVec3>,
-    faces: Faces,
-}
-
-/// Reads a mesh. Vertices are read in f64 whatever their type; the mesh keeps f32 about an f64 origin.
+/// Reads a mesh, in two passes over the file, so that nothing is held but the mesh. Vertices are read in f64 whatever
+/// their type; the mesh keeps f32 about an f64 origin.
 ///
 /// # Errors
 /// If the file cannot be read or is truncated; if there are no faces, a face has fewer than three corners or refers to
 /// a vertex that is not there, a coordinate is not finite: with the element's position, counted from 0.
 pub fn read_mesh(path: &Path) -> Result<Mesh> {
+    let wrong = |why: MeshError| Error::malformed(path, why.to_string());
+    let mut survey = Survey::default();
+    tell(path, &mut survey)?;
+    let mut filling = survey.filling().map_err(wrong)?;
+    tell(path, &mut filling)?;
+    filling.finish().map_err(wrong)
+}
+
+/// Reads the file once.
+fn tell(path: &Path, to: &mut impl Polygons) -> Result<()> {
     let (header, reader) = open(path)?;
-    let polygons = match header.format {
-        Format::Ascii => ascii::read(&header, reader, path),
-        Format::Binary(endian) => binary::read(&header, endian, reader, path),
-    }?;
-    Mesh::new(&polygons.vertices, polygons.faces.triangles).map_err(|e| Error::malformed(path, e.to_string()))
+    match header.format {
+        Format::Ascii => ascii::read(&header, reader, path, to),
+        Format::Binary(endian) => binary::read(&header, endian, reader, path, to),
+    }
 }
 
 fn open(path: &Path) -> Result<(Header, BufReader<File>)> {
