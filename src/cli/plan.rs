@@ -15,7 +15,7 @@ pub fn table(plan: &Plan, estimator: &str) -> String {
     lines.row("threads", i.threads.to_string());
     lines.add(format!("{:15}{:>9}{:>8}{:>12}{:>9}", "", "workers", "queue", "memory", "time"));
     for phase in &plan.phases {
-        let peak = Bytes(phase.peak(plan.memory.0)).to_string();
+        let peak = Bytes(phase.peak).to_string();
         lines.add(format!("{:32}{peak:>12}{:>9}", phase.name, clock(phase.seconds)));
         if phase.held > 0 && !phase.stages.is_empty() {
             lines.add(format!("  {:30}{:>12}", "held all along", Bytes(phase.held).to_string()));
@@ -24,13 +24,17 @@ pub fn table(plan: &Plan, estimator: &str) -> String {
             lines.add(format!("  {:30}{:>12} on top, the system's to drop", "mapped", Bytes(phase.mapped).to_string()));
         }
         for stage in &phase.stages {
-            let memory = Bytes(stage.memory).to_string();
-            let more = match stage.elastic {
-                0 => String::new(),
-                more => format!(" and up to {} more, which it spills", Bytes(more)),
+            let memory = if stage.memory > 0 { Bytes(stage.memory).to_string() } else { String::new() };
+            let short = match stage.asked {
+                asked if asked > stage.workers => format!("  {} of {asked} workers: memory", stage.workers),
+                _ => String::new(),
             };
-            lines.add(format!("  {:13}{:>9}{:>8}{memory:>12}{more}", stage.name, stage.workers, stage.queue));
+            lines.add(format!("  {:13}{:>9}{:>8}{memory:>12}{short}", stage.name, stage.workers, stage.queue));
         }
+    }
+    let asked = plan.infer.batch as u64;
+    if plan.batch < asked {
+        lines.row("batch", format!("{} of {asked} maps: memory", plan.batch));
     }
     let (peak, phase) = plan.peak();
     lines.row("memory", format!("{} at most, in {phase}; the limit is {}", Bytes(peak), plan.memory));

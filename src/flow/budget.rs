@@ -105,6 +105,19 @@ impl Budget {
         lock(&self.0.books).used
     }
 
+    /// The bytes that nobody holds now.
+    pub fn left(&self) -> u64 {
+        self.0.total - self.used()
+    }
+
+    /// What to answer where `who` cannot do with what is left, by so many bytes.
+    pub fn missing(&self, who: &str, bytes: u64) -> Error {
+        let (left, bytes) = (Bytes(self.left()), Bytes(bytes));
+        Error::invalid(format!(
+            "{who} cannot do with the {left} of memory that are left: give [run] memory {bytes} more"
+        ))
+    }
+
     /// The most bytes that were held at once.
     pub fn peak(&self) -> u64 {
         lock(&self.0.books).peak

@@ -18,6 +18,7 @@ pub mod resume;
 pub mod scene;
 mod section;
 mod shards;
+pub mod share;
 
 pub use exec::{export, plan, run};
 pub use explain::explain;

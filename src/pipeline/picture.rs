@@ -62,7 +62,8 @@ pub fn render(pipeline: &Pipeline, frame: &str, light: Light, beside: bool, out:
     if !beside {
         return write_png(out, &pixels, size.0, size.1);
     }
-    let photograph = read_image(&pipeline.scene.images.join(&frame.name), size, &pipeline.decode.curve())?;
+    let photograph =
+        read_image(&pipeline.scene.images.join(&frame.name), size, &pipeline.decode.curve(), pipeline.run.memory.0)?;
     write_png(out, &side_by_side(&photograph, &picture), 2 * size.0, size.1)
 }
 

@@ -1,22 +1,28 @@
 //! What a run will take: stages, workers, queues, memory and time, worked out before anything starts.
 //!
-//! Memory is what the run holds at its largest, phase by phase. The folds that can spill (gather) take what is left;
-//! everything else is needed, and a limit below that is refused. Times are for a run from the start: inference from a
+//! Memory is what the run holds at its largest, phase by phase. Where it is short, a phase gets fewer workers and smaller
+//! batches (`share`); a limit that one worker cannot do with is refused. Times are for a run from the start: inference from a
 //! trial of the estimator on this machine, the rest from [`RAYS_PER_SECOND`] and [`BYTES_PER_SECOND`].
 
 use std::time::Instant;
 
+use rayon::prelude::*;
+
 use super::Pipeline;
 use super::scene::Loaded;
+use super::share::{CastInputs, InferInputs};
 use crate::base::units::Bytes;
-use crate::base::{Error, Result};
+use crate::base::{Error, Result, memory};
 use crate::cache;
+use crate::codec::image::Need;
 use crate::flow::pool;
-use crate::model::Estimator;
+use crate::model::{Estimator, Session};
 use crate::scene::Material;
+use crate::scene::frame::Frame;
 use crate::scene::reflectance::{BINS, BinSum, FRONT_BINS};
 use crate::shard::Record;
 use crate::shard::format::SHARD;
+use crate::shard::rows::ROW;
 use crate::stages::merge::Materials;
 use crate::trace::Bvh;
 
@@ -36,7 +42,7 @@ const USUAL_BINS: u64 = 16;
 const RECORD_ON_DISK: u64 = 10;
 
 /// What the plan is made from.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Inputs {
     /// Posed frames.
     pub frames: u64,
@@ -44,14 +50,20 @@ pub struct Inputs {
     pub pixels: u64,
     /// Pixels of the largest.
     pub largest: u64,
+    /// Bytes that reading a frame takes, at most.
+    pub frame: u64,
     /// Triangles.
     pub triangles: u64,
     /// Bytes of the mesh in memory.
     pub mesh: u64,
     /// Channels of the model.
     pub channels: u64,
-    /// Bytes that the estimator holds for all workers.
-    pub estimator: u64,
+    /// Bytes that the process holds before it reads a scene, the estimator included.
+    pub base: u64,
+    /// Bytes that the estimator holds for each worker.
+    pub session: u64,
+    /// Maps that go through the estimator at once.
+    pub micro_batch: u64,
     /// What one map takes one worker.
     pub seconds_per_map: f64,
     /// Threads.
@@ -65,12 +77,12 @@ pub struct Stage {
     pub name: &'static str,
     /// Its threads.
     pub workers: u64,
+    /// The threads that it would have if memory were not short.
+    pub asked: u64,
     /// Items that may wait for it; 0 for a source.
     pub queue: usize,
-    /// Bytes that it needs.
+    /// Bytes that it is given.
     pub memory: u64,
-    /// Bytes that it takes beyond if they are to be had, and spills if not.
-    pub elastic: u64,
 }
 
 /// Stages that run together.
@@ -84,25 +96,16 @@ pub struct Phase {
     pub held: u64,
     /// Bytes of files that are mapped on top: the system may drop and read them again.
     pub mapped: u64,
+    /// Bytes that it takes in all, at most.
+    pub peak: u64,
+    /// Bytes that it cannot do without.
+    pub needs: u64,
     /// What it takes.
     pub seconds: f64,
 }
 
-impl Phase {
-    /// Bytes that it cannot do without.
-    pub fn needs(&self) -> u64 {
-        self.held + self.stages.iter().map(|s| s.memory).sum::<u64>()
-    }
-
-    /// Bytes that it holds at most under a limit.
-    pub fn peak(&self, limit: u64) -> u64 {
-        let wants = self.needs() + self.stages.iter().map(|s| s.elastic).sum::<u64>();
-        wants.min(limit).max(self.needs())
-    }
-}
-
 /// What a run will take.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Plan {
     /// What it is made from.
     pub inputs: Inputs,
@@ -112,6 +115,12 @@ pub struct Plan {
     pub memory: Bytes,
     /// Bytes on disk: the scene cache, segments, shards, tables and exports.
     pub disk: u64,
+    /// What the cast phase shares its memory by.
+    pub cast: CastInputs,
+    /// What the infer phase shares its memory by.
+    pub infer: InferInputs,
+    /// Maps of a batch.
+    pub batch: u64,
 }
 
 impl Inputs {
@@ -119,27 +128,54 @@ impl Inputs {
     ///
     /// # Errors
     /// What the estimator says when it refuses.
-    pub fn of(pipeline: &Pipeline, loaded: &Loaded, estimator: &dyn Estimator) -> Result<Inputs> {
+    pub fn of(pipeline: &Pipeline, loaded: &Loaded, estimator: &dyn Estimator, base: u64) -> Result<Inputs> {
         let scale = u64::from(pipeline.decode.downscale);
-        let pixels =
-            |f: &crate::scene::frame::Frame| (u64::from(f.camera.width) / scale) * (u64::from(f.camera.height) / scale);
+        let pixels = |f: &Frame| (u64::from(f.camera.width) / scale) * (u64::from(f.camera.height) / scale);
         let threads = pool::threads(pipeline.run.threads, pool::available());
+        let decode = loaded.decode(pipeline, "");
+        // Files that have not been made yet will be JPEGs; those that cannot be read are skipped when their turn comes.
+        let made = pipeline.synth.is_none() || pipeline.scene.images.exists();
+        let need = |f: &Frame| match decode.need(f) {
+            Ok(need) => need.peak,
+            Err(_) if made => 0,
+            Err(_) => Need::usual(pixels(f)).peak,
+        };
+        let before = memory::resident().unwrap_or(0);
+        let (seconds_per_map, session) = trial(estimator)?;
+        let grown = memory::resident().unwrap_or(0).saturating_sub(before);
+        drop(session);
         Ok(Inputs {
             frames: loaded.frames.len() as u64,
             pixels: loaded.frames.iter().map(pixels).sum(),
             largest: loaded.frames.iter().map(pixels).max().unwrap_or(0),
+            frame: loaded.frames.par_iter().map(need).max().unwrap_or(0),
             triangles: loaded.mesh.len() as u64,
             mesh: loaded.bytes(),
             channels: estimator.contract().channels as u64,
-            estimator: estimator.memory(threads).0,
-            seconds_per_map: trial(estimator)?,
+            base,
+            session: (estimator.memory(1).0 - estimator.memory(0).0).max(grown),
+            micro_batch: estimator.micro_batch() as u64,
+            seconds_per_map,
             threads: threads as u64,
         })
     }
 }
 
-/// What one map takes, seconds: one batch to warm up, then one by the clock.
-fn trial(estimator: &dyn Estimator) -> Result<f64> {
+/// Bytes that the process holds now, and that the allocator may keep of small blocks. To be asked once the estimator is
+/// there and before a scene is.
+pub fn base() -> u64 {
+    memory::trim();
+    memory::resident().unwrap_or(USUAL_BASE) + KEPT
+}
+
+/// What a process holds that does not say.
+const USUAL_BASE: u64 = 48 << 20;
+
+/// Bytes of small blocks that the allocator keeps, the curves of a transfer, and the stacks of threads beside workers.
+const KEPT: u64 = 24 << 20;
+
+/// What one map takes, seconds: one batch to warm up, then one by the clock. The session is given too, as it is then.
+fn trial(estimator: &dyn Estimator) -> Result<(f64, Box<dyn Session>)> {
     let (count, size) = (estimator.micro_batch(), estimator.contract().channels * BINS);
     let mut maps = vec![0.0; count * size];
     for (n, map) in maps.chunks_exact_mut(size).enumerate() {
@@ -152,72 +188,62 @@ fn trial(estimator: &dyn Estimator) -> Result<f64> {
     session.estimate(&maps, None, &mut answers)?;
     let started = Instant::now();
     session.estimate(&maps, None, &mut answers)?;
-    Ok(started.elapsed().as_secs_f64() / count as f64)
+    Ok((started.elapsed().as_secs_f64() / count as f64, session))
 }
 
 impl Plan {
     /// Plans a run of this pipeline on these inputs.
     pub fn new(pipeline: &Pipeline, inputs: Inputs) -> Plan {
-        let i = inputs;
-        let stage = |name, workers, memory| Stage { name, workers, queue: QUEUE, memory, elastic: 0 };
-        let source = |name| Stage { queue: 0, ..stage(name, 1, 0) };
-        // A frame's pixels: the file's bytes, three samples and the mask.
-        let image = 7 * i.largest;
-        // A frame rarely sees a triangle in more than two bins, and never in more than its pixels.
-        let rows = i.largest.min(2 * i.triangles) * size_of::<Record>() as u64;
-        let group = u64::from(pipeline.gather.group).min(i.frames);
-        let map = USUAL_BINS * size_of::<(u16, BinSum)>() as u64;
-        let shard = u64::from(SHARD).min(i.triangles) * map;
-        let batch = u64::from(pipeline.infer.batch) * i.channels * (BINS * size_of::<f32>()) as u64;
+        let (i, limit) = (inputs, pipeline.run.memory.0);
         let tables = Materials::BYTES_PER_TRIANGLE * i.triangles;
         let bvh = Bvh::BYTES_PER_TRIANGLE * i.triangles;
-        let held = pool::most_held(i.threads as usize, QUEUE) as u64;
-        let threads = i.threads as f64;
+        let group = u64::from(pipeline.gather.group).min(i.frames);
+        let cast = CastInputs {
+            workers: i.threads as usize,
+            frame: i.frame,
+            // A frame rarely sees a triangle in more than two bins, and never in more than its pixels.
+            rows: i.largest.min(2 * i.triangles) * Record::BYTES,
+            group,
+            tile: pipeline.cast.tile,
+        };
+        let shard = u64::from(SHARD).min(i.triangles);
+        let infer = InferInputs {
+            workers: i.threads as usize,
+            batch: pipeline.infer.batch as usize,
+            micro_batch: i.micro_batch as usize,
+            map: i.channels * (BINS * size_of::<f32>()) as u64,
+            session: i.session,
+            // Four segments hold a bin, in vectors half full.
+            shard: 8 * shard * USUAL_BINS * size_of::<(u16, BinSum)>() as u64,
+            rows: 2 * shard * ROW as u64,
+        };
         let export = i.triangles as f64 * (EXPORTED * pipeline.export.formats.len() as u64) as f64;
-
-        let cast = Phase {
-            name: "cast",
-            stages: vec![
-                source("frames"),
-                stage("decode", i.threads, held * image),
-                stage("cast", i.threads, held * rows.max(image) + i.threads * rows),
-                Stage { elastic: (group - 1) * rows, ..stage("gather", 1, rows) },
-            ],
-            held: 0,
-            mapped: i.mesh + bvh,
-            seconds: i.pixels as f64 / (threads * RAYS_PER_SECOND),
+        let alone = |name, held: u64, mapped, seconds| {
+            let held = i.base + held;
+            Phase { name, stages: Vec::new(), held, mapped, peak: held, needs: held, seconds }
         };
-        let infer = Phase {
-            name: "infer",
-            stages: vec![
-                source("shards"),
-                stage("infer", i.threads, i.estimator + i.threads * (batch + shard) + 2 * shard),
-                stage("keep", 1, shard),
-            ],
-            held: 0,
-            mapped: 0,
-            seconds: i.triangles as f64 * i.seconds_per_map / threads,
-        };
-        let alone = |name, held, mapped, seconds| Phase { name, stages: Vec::new(), held, mapped, seconds };
         let neighbours = NEIGHBOURS * i.triangles;
         let building = cache::building(i.triangles, (i.mesh / VERTEX).saturating_sub(i.triangles));
+        let casting =
+            Phase { mapped: i.mesh + bvh, ..plan_cast(&cast, i.base, limit, i.pixels as f64 / RAYS_PER_SECOND) };
+        let (inferring, batch) = plan_infer(&infer, i.base, limit, i.triangles as f64 * i.seconds_per_map);
         let phases = vec![
             alone("load", i.mesh, 0, i.mesh as f64 / BYTES_PER_SECOND),
             alone("build", i.mesh + building, 0, bvh as f64 / BYTES_PER_SECOND),
-            cast,
-            infer,
+            casting,
+            inferring,
             alone("merge", tables, neighbours, tables as f64 / BYTES_PER_SECOND),
             alone("export", 2 * tables, i.mesh, export / BYTES_PER_SECOND),
         ];
         let records = i.triangles * USUAL_BINS * i.frames.div_ceil(group).min(USUAL_BINS);
         let scene = i.mesh + bvh + neighbours;
         let disk = records.min(i.pixels) * RECORD_ON_DISK + scene + 2 * tables + export as u64;
-        Plan { inputs, phases, memory: pipeline.run.memory, disk }
+        Plan { inputs, phases, memory: pipeline.run.memory, disk, cast, infer, batch }
     }
 
     /// The bytes that the run holds at its largest, and in which phase.
     pub fn peak(&self) -> (u64, &'static str) {
-        self.phases.iter().map(|p| (p.peak(self.memory.0), p.name)).max().unwrap_or_default()
+        self.phases.iter().map(|p| (p.peak, p.name)).max().unwrap_or_default()
     }
 
     /// Refuses a limit that cannot work.
@@ -225,22 +251,67 @@ impl Plan {
     /// # Errors
     /// By how much it is too small, where, and what to change.
     pub fn fits(&self) -> Result<()> {
-        let most = self.phases.iter().max_by_key(|p| p.needs());
-        let Some(phase) = most.filter(|p| p.needs() > self.memory.0) else { return Ok(()) };
-        let largest = phase.stages.iter().max_by_key(|s| s.memory).filter(|s| s.memory > phase.held);
-        let (who, hint) = match largest.map(|s| s.name) {
-            Some("decode" | "cast") => ("its frames in flight", "fewer [run] threads"),
-            Some("infer") => ("its batches", "a smaller [infer] batch or fewer [run] threads"),
-            _ => ("the mesh", "a mesh of fewer triangles"),
-        };
+        let most = self.phases.iter().max_by_key(|p| p.needs);
+        let Some(phase) = most.filter(|p| p.needs > self.memory.0) else { return Ok(()) };
+        let i = &self.inputs;
+        let (who, hint) = [
+            (i.base, "the process and its model", "choose a smaller [infer] model"),
+            (phase.held - i.base, "the mesh", "take a mesh of fewer triangles"),
+            (phase.needs - phase.held, "one frame or shard in work", "take smaller frames, as with [decode] downscale"),
+        ]
+        .into_iter()
+        .max_by_key(|part| part.0)
+        .map_or(("", ""), |(_, who, hint)| (who, hint));
         Err(Error::invalid(format!(
             "[run] memory = \"{}\" is {} too small: the phase {} needs {}, most of it for {who}; give it more, or {hint}",
             self.memory,
-            Bytes(phase.needs() - self.memory.0),
+            Bytes(phase.needs - self.memory.0),
             phase.name,
-            Bytes(phase.needs()),
+            Bytes(phase.needs),
         )))
     }
+}
+
+/// The cast phase beside what is `held` all along; where it does not fit, as one worker would need it. `seconds` is what
+/// one worker takes.
+fn plan_cast(inputs: &CastInputs, held: u64, limit: u64, seconds: f64) -> Phase {
+    let left = limit.saturating_sub(held);
+    let asked = inputs.workers as u64;
+    let missing = inputs.share(0).err().unwrap_or(0);
+    let share = inputs.share(left).or_else(|_| inputs.share(missing)).unwrap_or_default();
+    let workers = share.workers as u64;
+    // Frames do not take more than all that can be under way.
+    let most = 2 * pool::most_held(share.workers, QUEUE) as u64 * inputs.frame;
+    let frames = share.frames.min(most.max(workers * inputs.frame));
+    let stage = |name, workers, asked, queue, memory| Stage { name, workers, asked, queue, memory };
+    let stages = vec![
+        stage("frames", 1, 1, 0, frames),
+        stage("decode", workers, asked, QUEUE, 0),
+        stage("cast", workers, asked, QUEUE, share.casting),
+        stage("gather", 1, 1, QUEUE, share.gather + share.compressing),
+    ];
+    let peak = held + stages.iter().map(|s| s.memory).sum::<u64>();
+    let seconds = seconds / workers.max(1) as f64;
+    Phase { name: "cast", stages, held, mapped: 0, peak, needs: held + missing, seconds }
+}
+
+/// The infer phase, likewise, and the maps of a batch.
+fn plan_infer(inputs: &InferInputs, held: u64, limit: u64, seconds: f64) -> (Phase, u64) {
+    let left = limit.saturating_sub(held);
+    let asked = inputs.workers as u64;
+    let missing = inputs.share(0).err().unwrap_or(0);
+    let share = inputs.share(left).or_else(|_| inputs.share(missing)).unwrap_or_default();
+    let workers = share.workers as u64;
+    let shards = share.shards.min((pool::most_held(share.workers, QUEUE) as u64 + 1) * inputs.shard);
+    let stage = |name, workers, asked, queue, memory| Stage { name, workers, asked, queue, memory };
+    let stages = vec![
+        stage("shards", 1, 1, 0, shards),
+        stage("infer", workers, asked, QUEUE, share.inferring),
+        stage("keep", 1, 1, QUEUE, 0),
+    ];
+    let peak = held + stages.iter().map(|s| s.memory).sum::<u64>();
+    let seconds = seconds / workers.max(1) as f64;
+    (Phase { name: "infer", stages, held, mapped: 0, peak, needs: held + missing, seconds }, share.batch as u64)
 }
 
 /// Bytes of a vertex in memory, and of a triangle.
@@ -262,10 +333,13 @@ mod tests {
         frames: 100,
         pixels: 100_000_000,
         largest: 1_000_000,
+        frame: 3_500_000,
         triangles: 250_000,
         mesh: 4_500_000,
         channels: 4,
-        estimator: 50 << 20,
+        base: 50 << 20,
+        session: 8 << 20,
+        micro_batch: 1,
         seconds_per_map: 4e-4,
         threads: 2,
     };
@@ -290,21 +364,31 @@ mod tests {
     }
 
     #[test]
-    fn what_can_spill_takes_what_is_left() {
-        let cast = |memory| phase(&plan(INPUTS, memory), "cast").peak(memory << 20);
-        let needs = phase(&plan(INPUTS, 1), "cast").needs();
-        assert!(cast(4096) > needs && cast(1) == needs);
-        let between = (needs >> 20) + 10;
-        assert_eq!(cast(between), between << 20);
+    fn whatever_the_limit_a_plan_that_fits_stays_under_it_and_is_slower_for_it() {
+        let crowded = Inputs { threads: 16, frame: 40_000_000, largest: 12_000_000, ..INPUTS };
+        let mut last = f64::INFINITY;
+        for memory in (64..4096).step_by(64) {
+            let plan = plan(crowded, memory);
+            let seconds = plan.phases.iter().map(|p| p.seconds).sum::<f64>();
+            assert!(seconds <= last, "{memory}");
+            last = seconds;
+            assert_eq!(plan.fits().is_ok(), plan.peak().0 <= memory << 20, "{memory}");
+        }
+        let (tight, ample) = (plan(crowded, 320), plan(crowded, 1 << 16));
+        let workers = |plan: &Plan| phase(plan, "cast").stages[1].workers;
+        assert!(workers(&tight) < 16 && workers(&ample) == 16);
+        assert!(tight.batch <= ample.batch && ample.batch == 256);
+        // More memory than helps is not taken.
+        assert!(ample.peak().0 < 4 << 30);
     }
 
     #[test]
     fn a_limit_that_cannot_work_is_refused_by_how_much() {
         plan(INPUTS, 1024).fits().unwrap();
-        insta::assert_snapshot!(plan(INPUTS, 64).fits().unwrap_err(), @r#"[run] memory = "64 MiB" is 96.2 MiB too small: the phase cast needs 160.2 MiB, most of it for its frames in flight; give it more, or fewer [run] threads"#);
-        let large = Inputs { largest: 150_000_000, threads: 16, ..INPUTS };
-        insta::assert_snapshot!(plan(large, 4096).fits().unwrap_err(), @r#"[run] memory = "4 GiB" is 58.9 GiB too small: the phase cast needs 62.9 GiB, most of it for its frames in flight; give it more, or fewer [run] threads"#);
+        let words = |inputs, memory| plan(inputs, memory).fits().unwrap_err().to_string();
+        insta::assert_snapshot!(words(INPUTS, 64), @r#"[run] memory = "64 MiB" is 55.1 MiB too small: the phase build needs 119.1 MiB, most of it for the mesh; give it more, or take a mesh of fewer triangles"#);
+        insta::assert_snapshot!(words(Inputs { frame: 900 << 20, threads: 16, ..INPUTS }, 512), @r#"[run] memory = "512 MiB" is 477.5 MiB too small: the phase cast needs 989.5 MiB, most of it for one frame or shard in work; give it more, or take smaller frames, as with [decode] downscale"#);
         let fine = Inputs { triangles: 100_000_000, mesh: 1_800_000_000, ..INPUTS };
-        insta::assert_snapshot!(plan(fine, 4096).fits().unwrap_err(), @r#"[run] memory = "4 GiB" is 8.7 GiB too small: the phase export needs 12.7 GiB, most of it for the mesh; give it more, or a mesh of fewer triangles"#);
+        insta::assert_snapshot!(words(fine, 4096), @r#"[run] memory = "4 GiB" is 8.7 GiB too small: the phase export needs 12.7 GiB, most of it for the mesh; give it more, or take a mesh of fewer triangles"#);
     }
 }

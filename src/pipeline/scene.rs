@@ -13,6 +13,7 @@ use crate::disk::{DirStore, Manifest, Recipe, Store};
 use crate::scene::Mesh;
 use crate::scene::adjacency::Adjacency;
 use crate::scene::frame::Frame;
+use crate::stages::decode::Decode;
 use crate::synth::city;
 use crate::trace::Bvh;
 
@@ -120,6 +121,18 @@ impl Loaded {
                 })
             }
             _ => Loaded::read(pipeline),
+        }
+    }
+
+    /// What reads the frames. `replay` is the command that shows what one of them sees, but for its name.
+    pub fn decode<'a>(&'a self, pipeline: &'a Pipeline, replay: &'a str) -> Decode<'a> {
+        Decode {
+            frames: &self.frames,
+            images: &pipeline.scene.images,
+            masks: pipeline.scene.masks.as_deref(),
+            downscale: pipeline.decode.downscale,
+            curve: pipeline.decode.curve(),
+            replay,
         }
     }
 

@@ -7,7 +7,7 @@ use super::format::SHARD;
 use super::reader::Segment;
 use crate::base::Result;
 use crate::base::ids::TriangleId;
-use crate::scene::reflectance::{Bin, BinSum, SparseMap};
+use crate::scene::reflectance::{Bin, BinSum, FRONT_BINS, SparseMap};
 
 /// The maps of a shard's observed triangles.
 #[derive(Debug, Default, PartialEq)]
@@ -48,6 +48,17 @@ impl Sums {
         });
         self.different = self.bins.len();
     }
+}
+
+/// Bytes that [`merge_shard`] holds at its largest: all of the shard's records, or as many as its maps have bins, in
+/// vectors that grow, and one segment's block as it is decoded.
+pub fn merge_need<B: AsRef<[u8]>>(segments: &[Segment<B>], shard: u32) -> u64 {
+    const BIN: u64 = size_of::<(Bin, BinSum)>() as u64;
+    let records = || segments.iter().filter_map(|s| s.entry(shard)).map(|e| u64::from(e.records));
+    // Twice as many are held before they are added up, in vectors that are half full.
+    let sums = (2 * records().sum::<u64>()).min(4 * u64::from(SHARD) * FRONT_BINS as u64) * BIN;
+    let block = records().max().unwrap_or(0) * (2 * BIN + 72);
+    sums + block + u64::from(SHARD) * size_of::<Sums>() as u64
 }
 
 /// The maps of one shard out of all segments. The order of segments does not matter.

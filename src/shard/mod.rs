@@ -24,7 +24,7 @@ mod tests;
 
 pub use accumulate::{Accumulator, FrameRows, GroupRows, Record};
 pub use blocks::Blocks;
-pub use merge::{ShardMaps, merge_shard};
+pub use merge::{ShardMaps, merge_need, merge_shard};
 pub use reader::Segment;
 pub use rows::ShardRows;
 pub use writer::SegmentWriter;

@@ -88,10 +88,10 @@ fn tiles_and_frames_sum_to_the_same_in_any_order() {
         .map(|_| (rng.random_range(0..50), rng.random_range(0..20), BinSum::one(rng.random(), rng.random_bool(0.1))))
         .collect();
     let gather = |seen: &[(u32, Bin, BinSum)], tile: usize| {
-        let mut a = Accumulator::default();
+        let mut a = Accumulator::new(1 << 30);
         for part in seen.chunks(tile) {
             part.iter().for_each(|&(t, b, s)| a.observe(t, b, s));
-            a.end_tile();
+            assert_eq!(a.end_tile(), None);
         }
         a.finish()
     };
@@ -148,14 +148,14 @@ fn a_forged_block_is_refused_however_it_is_filled() {
 fn a_group_counts_the_frames_that_saw_a_triangle() {
     let sum = BinSum::one([0.5; 3], false);
     let frame = |keys: &[(u32, Bin)]| {
-        let mut a = Accumulator::default();
+        let mut a = Accumulator::new(1 << 30);
         keys.iter().for_each(|&(t, b)| a.observe(t, b, sum));
         a.finish()
     };
     let mut group = GroupRows::default();
-    group.add(frame(&[(3, 1), (3, 2), (9, 5)]));
-    group.add(FrameRows::default());
-    group.add(frame(&[(3, 2), (5000, 1)]));
+    group.add(frame(&[(3, 1), (3, 2), (9, 5)]), false);
+    group.add(FrameRows::default(), false);
+    group.add(frame(&[(3, 2), (5000, 1)]), false);
     let (bytes, index) = group.write(Vec::new()).unwrap();
     assert_eq!(index.iter().map(|e| e.records).sum::<u32>(), 4);
     assert!(open(&bytes).unwrap().index().eq(index));
@@ -163,4 +163,56 @@ fn a_group_counts_the_frames_that_saw_a_triangle() {
     twice.add(&sum);
     let expected = vec![(3, 2, vec![(1, sum), (2, twice)]), (9, 1, vec![(5, sum)]), (5000, 1, vec![(1, sum)])];
     assert_eq!(read(&[open(&bytes).unwrap()]), expected);
+}
+
+#[test]
+fn a_frame_in_parts_counts_once_however_many_segments_it_is_written_to() {
+    let mut rng = Pcg32::seed_from_u64(6);
+    let frames: Vec<Vec<(u32, Bin, BinSum)>> = (0..3)
+        .map(|_| {
+            let one = |_| (rng.random_range(0..2 * SHARD), rng.random_range(0..4), BinSum::one([0.25; 3], false));
+            (0..3000).map(one).collect()
+        })
+        .collect();
+    // `bytes` bounds a frame's rows, `spill` those of the group.
+    let gather = |bytes: u64, spill: u64| {
+        let (mut group, mut files, mut parts) = (GroupRows::default(), Vec::new(), 0);
+        let mut add = |rows: FrameRows, more: bool| {
+            assert!(rows.bytes() <= bytes.saturating_add(100 * Record::BYTES));
+            if !group.is_empty() && group.bytes_with(&rows) > spill {
+                files.push(group.write(Vec::new()).unwrap().0);
+                assert!(group.is_empty());
+            }
+            let expected = group.bytes_with(&rows);
+            group.add(rows, more);
+            parts += 1;
+            // Which triangles of a frame have been counted takes a bit each.
+            assert!(group.bytes() <= expected + u64::from(2 * SHARD) / 8 + 64);
+        };
+        for frame in &frames {
+            let mut rows = Accumulator::new(bytes);
+            for tile in frame.chunks(100) {
+                tile.iter().for_each(|&(t, b, s)| rows.observe(t, b, s));
+                if let Some(part) = rows.end_tile() {
+                    add(part, true);
+                }
+            }
+            add(rows.finish(), false);
+        }
+        files.push(group.write(Vec::new()).unwrap().0);
+        let segments: Vec<_> = files.iter().map(|bytes| open(bytes).unwrap()).collect();
+        (read(&segments), parts, files.len())
+    };
+    let (expected, parts, files) = gather(u64::MAX, u64::MAX);
+    assert_eq!((parts, files), (3, 1));
+    for (t, frames_seen, _) in &expected {
+        let saw = frames.iter().filter(|frame| frame.iter().any(|row| row.0 == *t)).count();
+        assert_eq!(*frames_seen as usize, saw, "triangle {t}");
+    }
+    for (bytes, spill) in [(20_000, u64::MAX), (u64::MAX, 1), (20_000, 1), (20_000, 200_000), (1, 1)] {
+        let (found, parts, files) = gather(bytes, spill);
+        assert_eq!(found, expected, "parts of {bytes}, spilled at {spill}");
+        assert!(parts > 3 || bytes == u64::MAX, "{parts} parts of {bytes}");
+        assert!(files > 1 || spill == u64::MAX, "{files} files, spilled at {spill}");
+    }
 }

@@ -11,7 +11,7 @@ use crate::scene::Mesh;
 use crate::scene::frame::{Frame, LinearImage};
 use crate::scene::reflectance::{BinSum, LobeFrame, bin_of};
 use crate::scene::view::View;
-use crate::shard::{Accumulator, FrameRows};
+use crate::shard::{Accumulator, FrameRows, Record};
 use crate::trace::{Bvh, TileRays};
 
 /// Section `[cast]`.
@@ -38,12 +38,14 @@ impl Config {
     }
 }
 
-/// What one frame saw of the mesh, or why it is skipped.
+/// What one frame saw of the mesh, or a part of it, or why it is skipped.
 pub struct Seen {
     /// Which frame.
     pub frame: FrameId,
     /// What it saw.
     pub rows: Result<FrameRows, Skipped>,
+    /// Whether further parts of the frame follow. The last one tells what was cast.
+    pub more: bool,
     /// Rays cast.
     pub rays: u64,
     /// Pixels that saw a triangle from the front and count.
@@ -62,17 +64,38 @@ pub struct Cast<'a> {
     pub tile: u32,
     /// By how much images are smaller than their cameras say.
     pub downscale: u32,
+    /// Bytes of a frame's rows from which on they are handed on in parts. The result does not depend on it.
+    pub part: u64,
 }
 
 /// What a worker keeps from frame to frame.
-#[derive(Default)]
 pub struct Scratch {
     rays: TileRays,
     rows: Accumulator,
 }
 
+/// The most parts of frames that are alive at once besides those that the next stage has taken: one that grows in each
+/// worker's hands, one beside it that waits for its turn, one of each further frame that is done ahead of its turn, and
+/// those in the queue and in the next stage's hands.
+pub fn parts_alive(workers: usize, queue: usize) -> usize {
+    3 * workers + queue + 1
+}
+
+/// Bytes that a worker holds for a tile of this edge length: pixels, rays and hits, and its observations.
+pub fn tile_bytes(tile: u32) -> u64 {
+    u64::from(tile) * u64::from(tile) * (TileRays::BYTES_PER_PIXEL + 2 * Record::BYTES)
+}
+
 impl Cast<'_> {
-    fn rows(&self, view: &View, image: &LinearImage, scratch: &mut Scratch) -> (FrameRows, u64) {
+    /// Casts all pixels; gives `part` the rows whenever they have become too many to be held. Gives the rest of the rows
+    /// and the number of observations.
+    fn rows(
+        &self,
+        view: &View,
+        image: &LinearImage,
+        scratch: &mut Scratch,
+        mut part: impl FnMut(FrameRows) -> Result<()>,
+    ) -> Result<(FrameRows, u64)> {
         let Scratch { rays, rows } = scratch;
         let mut observations = 0;
         // Neighbouring pixels mostly see one triangle: its axes are worked out once for a run of them.
@@ -90,9 +113,9 @@ impl Cast<'_> {
                     observations += 1;
                 }
             }
-            rows.end_tile();
+            rows.end_tile().map_or(Ok(()), &mut part)?;
         }
-        (rows.finish(), observations)
+        Ok((rows.finish(), observations))
     }
 }
 
@@ -102,21 +125,27 @@ impl Map for Cast<'_> {
     type Scratch = Scratch;
 
     fn scratch(&self) -> Result<Scratch> {
-        Ok(Scratch::default())
+        Ok(Scratch { rays: TileRays::default(), rows: Accumulator::new(self.part) })
     }
 
     fn apply(&self, scratch: &mut Scratch, decoded: Decoded, out: &mut Outlet<'_, Seen>) -> Result<()> {
         let Decoded { frame, image } = decoded;
+        let last = Seen { frame, rows: Ok(FrameRows::default()), more: false, rays: 0, observations: 0 };
+        let (image, memory) = match image {
+            Ok(image) => image,
+            Err(skipped) => return out.send(Seen { rows: Err(skipped), ..last }),
+        };
         let posed = &self.frames[frame as usize];
-        let (mut rays, mut observations) = (0, 0);
-        let rows = image.map(|image| {
-            let view = View::new(posed.camera.down_scaled(self.downscale), &posed.pose, self.mesh);
-            let (rows, seen) = self.rows(&view, &image, scratch);
-            (rays, observations) = (image.len() as u64, seen);
-            out.count_bytes(rows.bytes());
-            rows
-        });
-        out.send(Seen { frame, rows, rays, observations })
+        let view = View::new(posed.camera.down_scaled(self.downscale), &posed.pose, self.mesh);
+        let (rows, observations) = self.rows(&view, &image, scratch, |part| {
+            out.count_bytes(part.bytes());
+            out.send(Seen { frame, rows: Ok(part), more: true, rays: 0, observations: 0 })
+        })?;
+        let rays = image.len() as u64;
+        // What waits for its turn is the rows alone.
+        drop((image, memory));
+        out.count_bytes(rows.bytes());
+        out.send(Seen { rows: Ok(rows), rays, observations, ..last })
     }
 }
 

@@ -7,8 +7,8 @@ use serde::Serialize;
 use super::{Choice, Fault};
 use crate::base::Result;
 use crate::base::ids::FrameId;
-use crate::codec::image::{self, Curve};
-use crate::flow::{Map, Outlet, Skipped};
+use crate::codec::image::{self, Curve, Need};
+use crate::flow::{Map, Outlet, Reservation, Skipped};
 use crate::scene::frame::{Frame, LinearImage};
 
 /// Section `[decode]`.
@@ -92,15 +92,24 @@ impl Config {
     }
 }
 
+/// A frame that may be read, or why it is skipped.
+pub struct Lent {
+    /// Which frame.
+    pub frame: FrameId,
+    /// The memory that it may take.
+    pub memory: Result<Reservation, Skipped>,
+}
+
 /// A frame whose image has been read, or why it is skipped.
 pub struct Decoded {
     /// Which frame.
     pub frame: FrameId,
-    /// Its pixels.
-    pub image: Result<LinearImage, Skipped>,
+    /// Its pixels, and the memory that they are held in.
+    pub image: Result<(LinearImage, Reservation), Skipped>,
 }
 
 /// Reads images.
+#[derive(Clone)]
 pub struct Decode<'a> {
     /// All frames, sorted by name.
     pub frames: &'a [Frame],
@@ -117,15 +126,30 @@ pub struct Decode<'a> {
 }
 
 impl Decode<'_> {
-    /// Reads one frame's image and its mask.
-    pub fn read(&self, frame: &Frame) -> Result<LinearImage> {
-        let by = self.downscale.max(1);
-        let size = (frame.camera.width / by, frame.camera.height / by);
-        let mut image = image::read_image(&self.images.join(&frame.name), size, &self.curve)?;
+    /// What reading one frame's image and its mask will take.
+    ///
+    /// # Errors
+    /// A file that is not there, or whose header is not that of such an image.
+    pub fn need(&self, frame: &Frame) -> Result<Need> {
+        let size = self.size(frame);
+        let image = image::need(&self.images.join(&frame.name), size)?;
+        self.masks.map_or(Ok(image), |masks| Ok(image.then(image::mask_need(masks, &frame.name, size)?)))
+    }
+
+    /// Reads one frame's image and its mask within this many bytes.
+    pub fn read(&self, frame: &Frame, memory: u64) -> Result<LinearImage> {
+        let size = self.size(frame);
+        let mut image = image::read_image(&self.images.join(&frame.name), size, &self.curve, memory)?;
         if let Some(masks) = self.masks {
-            image.mask = image::read_mask(masks, &frame.name, size)?;
+            image.mask = image::read_mask(masks, &frame.name, size, memory.saturating_sub(image.bytes()))?;
         }
         Ok(image)
+    }
+
+    /// Columns and rows that a frame's image must have.
+    fn size(&self, frame: &Frame) -> (u32, u32) {
+        let by = self.downscale.max(1);
+        (frame.camera.width / by, frame.camera.height / by)
     }
 }
 
@@ -135,7 +159,7 @@ pub fn skipped(frame: &Frame, why: impl ToString, replay: &str) -> Skipped {
 }
 
 impl Map for Decode<'_> {
-    type In = FrameId;
+    type In = Lent;
     type Out = Decoded;
     type Scratch = ();
 
@@ -143,11 +167,16 @@ impl Map for Decode<'_> {
         Ok(())
     }
 
-    fn apply(&self, _: &mut (), frame: FrameId, out: &mut Outlet<'_, Decoded>) -> Result<()> {
+    fn apply(&self, _: &mut (), lent: Lent, out: &mut Outlet<'_, Decoded>) -> Result<()> {
+        let Lent { frame, memory } = lent;
         let posed = &self.frames[frame as usize];
-        let image = self.read(posed).map_err(|why| skipped(posed, why, self.replay));
+        let image = memory.and_then(|mut memory| {
+            let image = self.read(posed, memory.bytes()).map_err(|why| skipped(posed, why, self.replay))?;
+            memory.shrink(memory.bytes().saturating_sub(image.bytes()));
+            Ok((image, memory))
+        });
         match &image {
-            Ok(image) => out.count_bytes(image.bytes()),
+            Ok((image, _)) => out.count_bytes(image.bytes()),
             Err(skipped) => out.skip(skipped.clone()),
         }
         out.send(Decoded { frame, image })

@@ -9,7 +9,7 @@ use super::{Choice, Fault};
 use crate::base::ids::FrameId;
 use crate::base::{Error, Result};
 use crate::disk::{Draft, FileEntry, Manifest, Recipe, Store};
-use crate::flow::{Budget, End, Fold, Meter, Outlet, Reservation, Skipped, Source};
+use crate::flow::{End, Fold, Meter, Reservation, Skipped};
 use crate::shard::format::Entry;
 use crate::shard::{Blocks, GroupRows, Segment, compact};
 
@@ -60,6 +60,11 @@ impl Group {
     fn file(&self, ending: &str) -> String {
         format!("{SEGMENTS}{}{ending}", self.recipe.unit())
     }
+}
+
+/// Bytes that gathering takes at least where frames come in parts of this many bytes.
+pub fn least(part: u64) -> u64 {
+    GroupRows::most(part)
 }
 
 /// The kind of the map side's units.
@@ -122,31 +127,13 @@ pub fn open_blocks(store: &dyn Store, files: &[FileEntry]) -> Result<Blocks> {
     Blocks::open(store, &file.name)
 }
 
-/// Produces the frames of groups, group after group.
-pub struct Frames<'a> {
-    /// The groups that are still to be done.
-    pub groups: &'a [Group],
-}
-
-impl Source for Frames<'_> {
-    type Out = FrameId;
-
-    fn total(&self) -> Option<u64> {
-        Some(self.groups.iter().map(|g| g.frames.len() as u64).sum())
-    }
-
-    fn run(self, out: &mut Outlet<'_, FrameId>) -> Result<()> {
-        self.groups.iter().flat_map(|g| &g.frames).try_for_each(|&frame| out.send(frame))
-    }
-}
-
 /// Sums the rows of a group's frames and commits them as the group's unit. When memory is short it writes what it has as
 /// a segment and goes on; in the end they become one, the same that would have been written with memory to spare.
 pub struct Gather<'a> {
     groups: &'a [Group],
     store: Arc<dyn Store>,
     manifest: &'a mut Manifest,
-    reservation: Reservation,
+    memory: Reservation,
     /// Which group is being gathered, and how many of its frames have come.
     at: usize,
     taken: usize,
@@ -158,16 +145,11 @@ pub struct Gather<'a> {
 }
 
 impl<'a> Gather<'a> {
-    /// Gathers these groups, whose frames come in this order.
-    pub fn new(
-        groups: &'a [Group],
-        store: Arc<dyn Store>,
-        manifest: &'a mut Manifest,
-        budget: &Budget,
-    ) -> Result<Self> {
-        let reservation = budget.reserve("gather", 0)?;
+    /// Gathers these groups, whose frames come in this order, within this memory. It must hold the largest part of a
+    /// frame that comes, with what writing it takes: [`least`].
+    pub fn new(groups: &'a [Group], store: Arc<dyn Store>, manifest: &'a mut Manifest, memory: Reservation) -> Self {
         let (rows, segments, record) = Default::default();
-        Ok(Gather { groups, store, manifest, reservation, at: 0, taken: 0, rows, segments, written: 0, record })
+        Gather { groups, store, manifest, memory, at: 0, taken: 0, rows, segments, written: 0, record }
     }
 
     /// Writes what was gathered as a further segment of the group.
@@ -176,7 +158,6 @@ impl<'a> Gather<'a> {
         let path = draft.path().to_owned();
         let (draft, index) = self.rows.write(draft).map_err(Error::io("write", path))?;
         self.keep(draft, index, meter)?;
-        self.reservation.shrink(self.reservation.bytes());
         Ok(())
     }
 
@@ -244,13 +225,15 @@ impl Fold for Gather<'_> {
         self.record.observations += seen.observations;
         match seen.rows {
             Ok(rows) => {
-                if self.reservation.grow(rows.bytes()).is_err() {
+                if !self.rows.is_empty() && self.rows.bytes_with(&rows) > self.memory.bytes() {
                     self.spill(meter)?;
-                    self.reservation.grow(rows.bytes())?;
                 }
-                self.rows.add(rows);
+                self.rows.add(rows, seen.more);
             }
             Err(skipped) => self.record.skipped.push(skipped.into()),
+        }
+        if seen.more {
+            return Ok(());
         }
         self.taken += 1;
         if self.taken == self.groups[self.at].frames.len() { self.commit(meter) } else { Ok(()) }
@@ -275,15 +258,15 @@ mod tests {
 
     use crate::base::units::Bytes;
     use crate::disk::MemStore;
-    use crate::flow::StopSignal;
+    use crate::flow::{Budget, StopSignal};
     use crate::scene::reflectance::BinSum;
     use crate::shard::{Accumulator, Segment, ShardMaps, merge_shard};
     use std::path::Path;
 
     fn seen(frame: FrameId, triangles: std::ops::Range<u32>) -> Seen {
-        let mut rows = Accumulator::default();
+        let mut rows = Accumulator::new(1 << 30);
         triangles.for_each(|t| rows.observe(t, (t + frame) as u16 % 50, BinSum::one([0.25; 3], false)));
-        Seen { frame, rows: Ok(rows.finish()), rays: 1000, observations: 300 }
+        Seen { frame, rows: Ok(rows.finish()), more: false, rays: 1000, observations: 300 }
     }
 
     fn group(frames: &[FrameId]) -> Group {
@@ -296,8 +279,9 @@ mod tests {
         let (mut manifest, _) = Manifest::open(Arc::clone(&store), &[SEGMENTS])?;
         let groups = [group(&[0, 1]), group(&[2, 3])];
         let budget = Budget::new(Bytes(memory), &StopSignal::new());
+        let memory = budget.reserve("gather", memory)?;
         let meter = Meter::new("gather", 1, 1, None);
-        let mut fold = Gather::new(&groups, Arc::clone(&store), &mut manifest, &budget)?;
+        let mut fold = Gather::new(&groups, Arc::clone(&store), &mut manifest, memory);
         for id in 0..3 {
             fold.take(seen(id, 0..300), &meter)?;
         }
@@ -333,17 +317,16 @@ mod tests {
         };
         let whole = bytes(&*store, &manifest);
         let frame = seen(0, 0..300).rows.unwrap().bytes();
-        let (store, manifest) = gather(frame + 1, Some(seen(3, 0..300))).unwrap();
+        let (store, manifest) = gather(least(frame), Some(seen(3, 0..300))).unwrap();
         assert_eq!(maps(&*store, &manifest), (2, expected));
         assert!(bytes(&*store, &manifest) == whole);
         assert_eq!(store.list("segments").unwrap().len(), 6, "what was merged is gone");
-        assert!(gather(frame - 1, None).is_err(), "less than one frame cannot work");
     }
 
     #[test]
     fn a_skipped_frame_is_in_the_record_of_its_group() {
         let why = Skipped { item: "d.jpg".into(), why: "torn".into(), replay: "gonio".into() };
-        let last = Seen { frame: 3, rows: Err(why.clone()), rays: 0, observations: 0 };
+        let last = Seen { frame: 3, rows: Err(why.clone()), more: false, rays: 0, observations: 0 };
         let (store, manifest) = gather(1 << 30, Some(last)).unwrap();
         let record = read_record(&*store, manifest.files(&group(&[2, 3]).recipe.unit()).unwrap()).unwrap();
         assert_eq!((record.frames, record.rays, record.records), (2, 1000, 300));

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::{Choice, Fault};
 use crate::base::Result;
-use crate::flow::{Map, Outlet};
+use crate::flow::{Map, Outlet, Reservation};
 use crate::model::{BUILT_IN, Backend, Estimator, ModelSource, Session};
 use crate::scene::Material;
 use crate::scene::evidence::{Evidence, Filled};
@@ -115,7 +115,7 @@ impl Infer<'_> {
 }
 
 impl Map for Infer<'_> {
-    type In = ShardMaps;
+    type In = (ShardMaps, Reservation);
     type Out = ShardRows;
     type Scratch = Scratch;
 
@@ -123,7 +123,12 @@ impl Map for Infer<'_> {
         Ok(Scratch { session: self.estimator.session()?, maps: Vec::new(), answers: Vec::new() })
     }
 
-    fn apply(&self, scratch: &mut Scratch, shard: ShardMaps, out: &mut Outlet<'_, ShardRows>) -> Result<()> {
+    fn apply(
+        &self,
+        scratch: &mut Scratch,
+        (shard, memory): (ShardMaps, Reservation),
+        out: &mut Outlet<'_, ShardRows>,
+    ) -> Result<()> {
         let enough = |map: &SparseMap| map.bins.len() >= self.min_bins.max(1);
         let mut rows: Vec<Row> = Vec::with_capacity(shard.triangles.len());
         for (triangle, frames, map) in &shard.triangles {
@@ -138,7 +143,11 @@ impl Map for Infer<'_> {
                 rows[*slot].1 = material.to_array();
             }
         }
-        out.send(ShardRows { shard: shard.shard, rows })
+        let number = shard.shard;
+        // What waits for its turn is the rows alone.
+        drop(asked);
+        drop((shard, memory));
+        out.send(ShardRows { shard: number, rows })
     }
 }
 

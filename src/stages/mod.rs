@@ -7,6 +7,7 @@ pub mod cast;
 pub mod decode;
 pub mod export;
 pub mod fill;
+pub mod frames;
 pub mod gather;
 pub mod infer;
 pub mod merge;

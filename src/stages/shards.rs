@@ -6,8 +6,8 @@ use std::time::{Duration, Instant};
 
 use crate::base::{Error, Result};
 use crate::disk::{FileEntry, Manifest, Recipe, Store};
-use crate::flow::{End, Fold, Meter, Outlet, Source};
-use crate::shard::{Segment, ShardMaps, ShardRows, merge_shard};
+use crate::flow::{Budget, End, Fold, Meter, Outlet, Reservation, Source};
+use crate::shard::{Segment, ShardMaps, ShardRows, merge_need, merge_shard};
 
 /// The kind of the reduce side's units.
 pub const SHARD: &str = "shard";
@@ -41,20 +41,24 @@ pub struct Merged<'a, B> {
     pub segments: &'a [Segment<B>],
     /// The shards that are still to be done.
     pub shards: &'a [Shard],
+    /// What their memory is lent from: a shard is merged once there is enough for it. None may need more than there is
+    /// when no other is under way.
+    pub budget: &'a Budget,
 }
 
 impl<B: AsRef<[u8]> + Send + Sync> Source for Merged<'_, B> {
-    type Out = ShardMaps;
+    type Out = (ShardMaps, Reservation);
 
     fn total(&self) -> Option<u64> {
         Some(self.shards.len() as u64)
     }
 
-    fn run(self, out: &mut Outlet<'_, ShardMaps>) -> Result<()> {
+    fn run(self, out: &mut Outlet<'_, (ShardMaps, Reservation)>) -> Result<()> {
         for shard in self.shards {
+            let memory = self.budget.reserve("shards", merge_need(self.segments, shard.number))?;
             let entries = self.segments.iter().filter_map(|s| s.entry(shard.number));
             out.count_bytes(entries.map(|e| e.length).sum());
-            out.send(merge_shard(self.segments, shard.number)?)?;
+            out.send((merge_shard(self.segments, shard.number)?, memory))?;
         }
         Ok(())
     }

@@ -16,6 +16,9 @@ pub struct TileRays {
 }
 
 impl TileRays {
+    /// Bytes of memory that it holds per pixel of the largest tile.
+    pub const BYTES_PER_PIXEL: u64 = (size_of::<(u32, u32)>() + size_of::<Vec3>() + size_of::<Hit>()) as u64;
+
     /// Casts the pixels of a tile and gives, for each of them, (column, row) in the tile, its unit direction and what it
     /// hit: [`Hit::MISS`] if nothing.
     pub fn cast(&mut self, view: &View, bvh: &Bvh, tile: Tile) -> impl Iterator<Item = ((u32, u32), Vec3, Hit)> {

@@ -2,15 +2,19 @@
 //!
 //! - Samples come out as narrow as they were stored, on the pixel grid that they were stored on: an EXIF orientation is
 //!   never applied, since poses were solved without it. Grey becomes RGB; alpha is dropped.
-//! - What a header claims is believed only within the size that the camera says: the decoder may allocate no more.
+//! - What reading an image takes is known from its header ([`need`]), so that memory for it is set aside first. What a
+//!   header claims is believed only within the size that the camera says and the memory that was set aside.
 
+mod exr;
 mod jpeg;
+mod need;
 mod read;
 #[cfg(test)]
 mod tests;
 mod transfer;
 mod write;
 
-pub use read::{mask_path, read_image, read_mask};
+pub use need::Need;
+pub use read::{mask_need, mask_path, need, read_image, read_mask};
 pub use transfer::{Curve, Transfer, to_srgb8};
 pub use write::{write_jpeg, write_png};

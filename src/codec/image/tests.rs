@@ -6,6 +6,9 @@ use image::{DynamicImage, ImageFormat, Rgb, Rgb32FImage, RgbImage};
 use super::*;
 use crate::scene::frame::LinearImage;
 
+/// More memory than any of these images takes.
+const ROOM: u64 = 1 << 30;
+
 fn linear() -> Curve {
     Curve::new(Transfer::Linear)
 }
@@ -39,7 +42,7 @@ fn every_format_gives_its_own_samples() {
         ("g.hdr", DynamicImage::from(bright), 0.05),
     ] {
         let (_folder, path) = saved(name, &picture);
-        let image = read_image(&path, (6, 4), &linear()).unwrap();
+        let image = read_image(&path, (6, 4), &linear(), ROOM).unwrap();
         let expected = picture.to_rgb32f();
         for (at, pixel) in expected.pixels().enumerate() {
             for c in 0..3 {
@@ -56,7 +59,7 @@ fn grey_and_alpha_are_read_as_rgb() {
     {
         let picture: DynamicImage = picture;
         let (_folder, path) = saved("a.png", &picture);
-        assert_eq!(read_image(&path, (6, 4), &linear()).unwrap().len(), 24);
+        assert_eq!(read_image(&path, (6, 4), &linear(), ROOM).unwrap().len(), 24);
     }
 }
 
@@ -64,7 +67,7 @@ fn grey_and_alpha_are_read_as_rgb() {
 fn samples_at_254_and_above_count_as_clipped() {
     for (value, clipped) in [(253, false), (254, true), (255, true)] {
         let (_folder, path) = saved("a.png", &RgbImage::from_pixel(2, 2, Rgb([9, value, 9])).into());
-        assert_eq!(read_image(&path, (2, 2), &linear()).unwrap().pixel(3).unwrap().clipped, clipped, "{value}");
+        assert_eq!(read_image(&path, (2, 2), &linear(), ROOM).unwrap().pixel(3).unwrap().clipped, clipped, "{value}");
     }
 }
 
@@ -72,7 +75,7 @@ fn samples_at_254_and_above_count_as_clipped() {
 fn another_size_is_refused_before_it_is_decoded() {
     let (_folder, path) = saved("a.png", &gradient().into());
     for size in [(6, 5), (5, 4), (3, 2), (60, 40)] {
-        let error = read_image(&path, size, &linear()).unwrap_err().to_string();
+        let error = read_image(&path, size, &linear(), ROOM).unwrap_err().to_string();
         assert!(error.contains("a.png") && error.contains(&size.0.to_string()), "{error}");
     }
 }
@@ -88,7 +91,7 @@ fn every_cut_is_refused_and_none_panics() {
         let bytes = fs::read(&path).unwrap();
         for length in 0..bytes.len() {
             fs::write(&path, &bytes[..length]).unwrap();
-            let read = read_image(&path, (6, 4), &linear());
+            let read = read_image(&path, (6, 4), &linear(), ROOM);
             // A PNG may lack its last chunk and still hold every pixel.
             let spare = if name == "a.png" { 16 } else { 0 };
             assert!(read.is_err() || length + spare > bytes.len(), "{name} cut to {length} of {}", bytes.len());
@@ -104,7 +107,7 @@ fn a_thumbnail_in_a_jpeg_is_not_its_end() {
     let whole = [&bytes[..2], &thumbnail, &bytes[2..], b"what cameras append"].concat();
     for (length, read) in [(whole.len(), true), (whole.len() - 20, false), (2 + thumbnail.len() + 100, false)] {
         fs::write(&path, &whole[..length]).unwrap();
-        assert_eq!(read_image(&path, (6, 4), &linear()).is_ok(), read, "{length}");
+        assert_eq!(read_image(&path, (6, 4), &linear(), ROOM).is_ok(), read, "{length}");
     }
 }
 
@@ -116,23 +119,23 @@ fn a_header_that_claims_more_than_the_camera_has_allocates_nothing() {
     let crc = crc32fast::hash(&bytes[12..29]);
     bytes[29..33].copy_from_slice(&crc.to_be_bytes());
     fs::write(&path, bytes).unwrap();
-    assert!(read_image(&path, (6, 4), &linear()).is_err());
+    assert!(read_image(&path, (6, 4), &linear(), ROOM).is_err());
 }
 
 #[test]
 fn masks_are_found_by_either_name_and_ignore_what_is_zero() {
     let folder = tempfile::tempdir().unwrap();
     let mask = image::GrayImage::from_fn(6, 4, |x, _| image::Luma([if x == 2 { 0 } else { 7 }]));
-    assert_eq!(read_mask(folder.path(), "one.jpg", (6, 4)).unwrap(), None);
+    assert_eq!(read_mask(folder.path(), "one.jpg", (6, 4), ROOM).unwrap(), None);
     for (name, file) in [("one.jpg", "one.jpg.png"), ("two.jpg", "two.png")] {
         mask.save_with_format(folder.path().join(file), ImageFormat::Png).unwrap();
-        let read = read_mask(folder.path(), name, (6, 4)).unwrap().unwrap();
+        let read = read_mask(folder.path(), name, (6, 4), ROOM).unwrap().unwrap();
         assert_eq!((read[2], read[3]), (0, 7));
-        assert!(read_mask(folder.path(), name, (4, 6)).is_err());
+        assert!(read_mask(folder.path(), name, (4, 6), ROOM).is_err());
     }
     let (_keep, path) = saved("p.png", &gradient().into());
-    let mut image = read_image(&path, (6, 4), &linear()).unwrap();
-    image.mask = read_mask(folder.path(), "one.jpg", (6, 4)).unwrap();
+    let mut image = read_image(&path, (6, 4), &linear(), ROOM).unwrap();
+    image.mask = read_mask(folder.path(), "one.jpg", (6, 4), ROOM).unwrap();
     assert!(image.pixel(2).is_none() && image.pixel(3).is_some());
 }
 

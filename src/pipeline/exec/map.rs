@@ -10,10 +10,11 @@ use crate::pipeline::plan::QUEUE;
 use crate::pipeline::report::{Frames as FrameCounts, Item};
 use crate::pipeline::resume;
 use crate::pipeline::scene::Loaded;
+use crate::pipeline::share::CastShare;
 use crate::shard::Segment;
 use crate::stages::cast::Cast;
-use crate::stages::decode::Decode;
-use crate::stages::gather::{Frames, Gather, Group, Record, SEGMENT, read_record};
+use crate::stages::frames::Frames;
+use crate::stages::gather::{Gather, Group, Record, SEGMENT, read_record};
 
 impl Run<'_> {
     /// The map side: casts the frames of the groups that the manifest lacks.
@@ -28,23 +29,24 @@ impl Run<'_> {
         let bvh = loaded.bvh();
         let pipeline = self.pipeline;
         let replay = format!("gonio buffers {} --out frame.exr", pipeline.file.display());
-        let decode = Decode {
-            frames: &loaded.frames,
-            images: &pipeline.scene.images,
-            masks: pipeline.scene.masks.as_deref(),
-            downscale: pipeline.decode.downscale,
-            curve: pipeline.decode.curve(),
-            replay: &replay,
-        };
+        let decode = loaded.decode(pipeline, &replay);
+        let share = self.plan.cast.share(self.budget.left()).map_err(|missing| self.budget.missing("cast", missing))?;
+        let CastShare { workers, part, .. } = share;
+        let held = self.budget.reserve("cast", share.casting + share.compressing)?;
+        let rows = self.budget.reserve("gather", share.gather)?;
         let tile = pipeline.cast.tile;
         let downscale = pipeline.decode.downscale;
-        let cast = Cast { frames: &loaded.frames, mesh: &loaded.mesh, bvh: &bvh, tile, downscale };
-        let gather = Gather::new(&to_do, Arc::clone(&self.store), manifest, &self.budget)?;
-        let flow = Flow::source(&self.stop, "frames", Frames { groups: &to_do })
-            .map("decode", decode, self.threads, QUEUE)
-            .map("cast", cast, self.threads, QUEUE)
+        let cast = Cast { frames: &loaded.frames, mesh: &loaded.mesh, bvh: &bvh, tile, downscale, part };
+        let gather = Gather::new(&to_do, Arc::clone(&self.store), manifest, rows);
+        let budget = self.budget.clone();
+        let (decoding, memory) = (decode.clone(), budget.left());
+        let frames = Frames { groups: &to_do, decode: decoding, budget: &budget, memory };
+        let flow = Flow::source(&self.stop, "frames", frames)
+            .map("decode", decode, workers, QUEUE)
+            .map("cast", cast, workers, QUEUE)
             .fold("gather", gather, QUEUE);
         self.phase("cast", flow.meters(), |_| flow.run())?;
+        drop(held);
         self.count(groups, &to_do, manifest)
     }
 

@@ -13,12 +13,12 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::plan::Inputs;
+use super::plan::{self, Inputs};
 use super::report::{Phase, Stage, Triangles};
 use super::scene::{self, Loaded, SCENES};
 use super::{Pipeline, Plan, Progress, Report, resume};
 use crate::base::units::Bytes;
-use crate::base::{Error, Result};
+use crate::base::{Error, Result, memory};
 use crate::disk::{DirStore, Lock, Manifest, Opening, Store};
 use crate::flow::{Budget, Meter, StopSignal};
 use crate::model::{self, Estimator};
@@ -43,7 +43,7 @@ struct Run<'a> {
     progress: &'a Progress,
     store: Arc<dyn Store>,
     budget: Budget,
-    threads: usize,
+    plan: Plan,
     report: Report,
     /// Bytes that the run is expected to leave on the disk.
     disk: u64,
@@ -112,7 +112,7 @@ impl<'a> Run<'a> {
     fn new(store: Arc<dyn Store>, pipeline: &'a Pipeline, stop: &StopSignal, progress: &'a Progress) -> Self {
         let budget = Budget::new(pipeline.run.memory, stop);
         let report = Report { gonio: env!("CARGO_PKG_VERSION").into(), ..Report::default() };
-        Run { pipeline, stop: stop.clone(), progress, store, budget, threads: 0, report, disk: 0 }
+        Run { pipeline, stop: stop.clone(), progress, store, budget, plan: Plan::default(), report, disk: 0 }
     }
 
     /// Goes on from what the manifest has to the end.
@@ -141,17 +141,20 @@ impl<'a> Run<'a> {
         // The network is tried before anything costly starts.
         let estimator = estimator(self.pipeline)?;
         self.report.backend = estimator.describe();
+        let base = plan::base();
         let (mut loaded, groups) = self.phase("load", vec![], |run| {
             let loaded = Loaded::open(run.pipeline, &*run.store, manifest)?;
-            let plan = Plan::new(run.pipeline, Inputs::of(run.pipeline, &loaded, &*estimator)?);
+            let plan = Plan::new(run.pipeline, Inputs::of(run.pipeline, &loaded, &*estimator, base)?);
             plan.fits()?;
-            (run.threads, run.disk) = (plan.inputs.threads as usize, plan.disk);
+            run.disk = plan.disk;
             let later = plan.phases.iter().filter(|p| p.name != "load");
             let expected: Vec<_> = later.map(|p| (p.name, Duration::from_secs_f64(p.seconds))).collect();
             run.progress.expect(&expected);
+            run.plan = plan;
             let groups = resume::groups(run.pipeline, manifest, loaded.mesh_key, &loaded.frames);
             Ok((loaded, groups))
         })?;
+        let _process = self.budget.reserve("process", base)?;
         resume::forget_others(manifest, FRAMES, groups.iter().map(|group| &group.recipe))?;
 
         resume::forget_others(manifest, scene::SCENE, [&scene::recipe(loaded.mesh_key)])?;
@@ -188,6 +191,8 @@ impl<'a> Run<'a> {
         self.progress.begin(name, meters.clone());
         let done = work(self)?;
         self.progress.end();
+        // What one phase has freed is not held through the next.
+        memory::trim();
         self.report.phases.push(Phase { name: name.to_owned(), seconds: started.elapsed().as_secs_f64() });
         self.report.stages.extend(meters.iter().map(|meter| Stage::of(name, meter)));
         Ok(done)
@@ -214,8 +219,9 @@ impl<'a> Run<'a> {
 /// Inputs that cannot be read, a model that cannot be used.
 pub fn plan(pipeline: &Pipeline) -> Result<(Plan, String)> {
     let estimator = estimator(pipeline)?;
+    let base = plan::base();
     let loaded = Loaded::expected(pipeline)?;
-    Ok((Plan::new(pipeline, Inputs::of(pipeline, &loaded, &*estimator)?), estimator.describe()))
+    Ok((Plan::new(pipeline, Inputs::of(pipeline, &loaded, &*estimator, base)?), estimator.describe()))
 }
 
 /// A file that is to be written where the user said: its folder must be there.

@@ -11,8 +11,10 @@ use crate::model::Estimator;
 use crate::pipeline::plan::QUEUE;
 use crate::pipeline::report::Shards as ShardCounts;
 use crate::pipeline::scene::Loaded;
+use crate::pipeline::share::InferInputs;
 use crate::pipeline::{resume, shards};
 use crate::shard::format::SHARD;
+use crate::shard::merge_need;
 use crate::stages::gather::{Group, open_blocks};
 use crate::stages::infer::Infer;
 use crate::stages::merge::{Materials, TABLES};
@@ -64,10 +66,18 @@ impl Run<'_> {
         manifest: &mut Manifest,
     ) -> Result<()> {
         let segments = segments(&*self.store, manifest, groups)?;
-        let (min_bins, batch) = (self.pipeline.merge.min_bins as usize, self.pipeline.infer.batch as usize);
-        let flow = Flow::source(&self.stop, "shards", Merged { segments: &segments, shards })
-            .map("infer", Infer { estimator, min_bins, batch }, self.threads, QUEUE)
+        let shard = shards.iter().map(|s| merge_need(&segments, s.number)).max().unwrap_or(0);
+        let inputs = InferInputs { shard, ..self.plan.infer };
+        let share = inputs.share(self.budget.left()).map_err(|missing| self.budget.missing("infer", missing))?;
+        let held = self.budget.reserve("infer", share.inferring)?;
+        let (min_bins, batch) = (self.pipeline.merge.min_bins as usize, share.batch);
+        let budget = self.budget.clone();
+        let merged = Merged { segments: &segments, shards, budget: &budget };
+        let flow = Flow::source(&self.stop, "shards", merged)
+            .map("infer", Infer { estimator, min_bins, batch }, share.workers, QUEUE)
             .fold("keep", Keep::new(shards, Arc::clone(&self.store), manifest), QUEUE);
-        self.phase("infer", flow.meters(), |_| flow.run())
+        self.phase("infer", flow.meters(), |_| flow.run())?;
+        drop(held);
+        Ok(())
     }
 }

@@ -1,0 +1,213 @@
+//! How a phase shares out the memory that it is given: how many workers, how much for each. Pure functions, so that a
+//! plan and a run agree.
+//!
+//! Workers go first: as many as were asked for, or as many as fit with the smallest of everything else. What is left
+//! makes the rest larger, up to where it no longer helps.
+
+use super::plan::QUEUE;
+use crate::stages::{cast, gather};
+
+/// Bytes of stack that a thread touches, at most.
+const STACK: u64 = 256 << 10;
+
+/// The least and the most bytes of a frame's rows that are handed on as a part.
+const PART: (u64, u64) = (4 << 20, 64 << 20);
+
+/// Bytes that compressing a segment's blocks takes.
+const COMPRESSING: u64 = 8 << 20;
+
+/// What the cast phase is made from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct CastInputs {
+    /// Workers asked for.
+    pub workers: usize,
+    /// Bytes that reading the largest frame takes.
+    pub frame: u64,
+    /// Bytes of the rows of a frame, as far as one can tell.
+    pub rows: u64,
+    /// Frames of a group.
+    pub group: u64,
+    /// Edge length of a tile, pixels.
+    pub tile: u32,
+}
+
+/// How the cast phase shares its memory.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct CastShare {
+    /// Workers of decode, and of cast.
+    pub workers: usize,
+    /// Bytes of a frame's rows from which on they are handed on in parts.
+    pub part: u64,
+    /// Bytes of the workers' scratch, their stacks, and the parts that are alive.
+    pub casting: u64,
+    /// Bytes that gather may hold.
+    pub gather: u64,
+    /// Bytes for compressing, beside what gather holds.
+    pub compressing: u64,
+    /// Bytes that frames under way may hold.
+    pub frames: u64,
+}
+
+impl CastInputs {
+    /// Shares `memory` out.
+    ///
+    /// # Errors
+    /// How many bytes are missing for one worker.
+    pub fn share(&self, memory: u64) -> Result<CastShare, u64> {
+        let fits = |workers: &usize| self.with(*workers, PART.0).needs() <= memory;
+        let Some(workers) = (1..=self.workers.max(1)).rev().find(fits) else {
+            return Err(self.with(1, PART.0).needs() - memory);
+        };
+        let mut left = memory - self.with(workers, PART.0).needs();
+        // Two frames more than workers: one is read ahead, one waits for its turn.
+        let ahead = left.min(2 * self.frame);
+        left -= ahead;
+        let each = (cast::parts_alive(workers, QUEUE) + 3) as u64;
+        let part = self.rows.clamp(PART.0, PART.1).min(PART.0 + left / 2 / each);
+        let least = self.with(workers, part);
+        let spare = memory - least.needs() - ahead;
+        let wanted = gather::least(self.rows.saturating_mul(self.group));
+        let gather = wanted.clamp(least.gather, least.gather + spare);
+        Ok(CastShare { gather, frames: least.frames + ahead + spare - (gather - least.gather), ..least })
+    }
+
+    /// The least that this many workers need with parts of this size.
+    fn with(&self, workers: usize, part: u64) -> CastShare {
+        // A part ends with the tile that filled it.
+        let whole = part + cast::tile_bytes(self.tile);
+        let casting = workers as u64 * (cast::tile_bytes(self.tile) + 2 * STACK)
+            + cast::parts_alive(workers, QUEUE) as u64 * whole;
+        let (gather, frames) = (gather::least(whole), workers as u64 * self.frame);
+        CastShare { workers, part, casting, gather, compressing: COMPRESSING, frames }
+    }
+}
+
+impl CastShare {
+    /// All of it.
+    pub fn needs(&self) -> u64 {
+        self.casting + self.gather + self.compressing + self.frames
+    }
+}
+
+/// What the infer phase is made from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct InferInputs {
+    /// Workers asked for.
+    pub workers: usize,
+    /// Maps of a batch asked for.
+    pub batch: usize,
+    /// Maps that go through the engine at once.
+    pub micro_batch: usize,
+    /// Bytes of a map as the model eats it.
+    pub map: u64,
+    /// Bytes of a worker's session.
+    pub session: u64,
+    /// Bytes that merging and holding the largest shard takes.
+    pub shard: u64,
+    /// Bytes of a shard's rows, and of the file that they become.
+    pub rows: u64,
+}
+
+/// How the infer phase shares its memory.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct InferShare {
+    /// Workers.
+    pub workers: usize,
+    /// Maps of a batch.
+    pub batch: usize,
+    /// Bytes of sessions, batches, stacks, and rows that wait.
+    pub inferring: u64,
+    /// Bytes that shards under way may hold.
+    pub shards: u64,
+}
+
+impl InferInputs {
+    /// Shares `memory` out.
+    ///
+    /// # Errors
+    /// How many bytes are missing for one worker with the smallest batch.
+    pub fn share(&self, memory: u64) -> Result<InferShare, u64> {
+        let smallest = self.batch.min(self.micro_batch).max(1);
+        let fits = |workers: &usize| self.with(*workers, smallest).needs() <= memory;
+        let Some(workers) = (1..=self.workers.max(1)).rev().find(fits) else {
+            return Err(self.with(1, smallest).needs() - memory);
+        };
+        let halves = std::iter::successors(Some(self.batch), |batch| Some(batch / 2));
+        let mut sizes = halves.take_while(|batch| *batch > smallest).chain([smallest]);
+        let found = sizes.find(|batch| self.with(workers, *batch).needs() <= memory).unwrap_or(smallest);
+        let share = self.with(workers, found);
+        Ok(InferShare { shards: share.shards + memory - share.needs(), ..share })
+    }
+
+    fn with(&self, workers: usize, batch: usize) -> InferShare {
+        let n = workers as u64;
+        let inferring = n * (self.session + batch as u64 * self.map + STACK) + (3 * n + 2) * self.rows;
+        InferShare { workers, batch, inferring, shards: n * self.shard }
+    }
+}
+
+impl InferShare {
+    /// All of it.
+    pub fn needs(&self) -> u64 {
+        self.inferring + self.shards
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const MIB: u64 = 1 << 20;
+
+    const CAST: CastInputs = CastInputs { workers: 16, frame: 40 * MIB, rows: 20 * MIB, group: 8, tile: 32 };
+
+    const INFER: InferInputs = InferInputs {
+        workers: 16,
+        batch: 256,
+        micro_batch: 16,
+        map: 115_200,
+        session: 8 * MIB,
+        shard: 20 * MIB,
+        rows: MIB,
+    };
+
+    #[test]
+    fn less_memory_means_fewer_workers_and_never_more_than_there_is() {
+        let mut last = CAST.share(1 << 40).unwrap();
+        assert_eq!((last.workers, last.part), (16, 20 * MIB));
+        for memory in (1..200).rev().map(|i| i * 20 * MIB) {
+            let Ok(share) = CAST.share(memory) else {
+                assert!(last.workers == 1 && memory < 200 * MIB, "{memory}");
+                return;
+            };
+            assert_eq!(share.needs(), memory, "what is left goes to frames");
+            assert!(share.workers <= last.workers && share.frames >= CAST.frame * share.workers as u64);
+            assert!(share.gather >= gather::least(share.part));
+            last = share;
+        }
+        unreachable!("some memory is too little");
+    }
+
+    #[test]
+    fn what_is_missing_makes_it_fit() {
+        let missing = CAST.share(10 * MIB).unwrap_err();
+        assert_eq!(CAST.share(10 * MIB + missing).unwrap().workers, 1);
+        assert_eq!(CAST.share(10 * MIB + missing - 1), Err(1));
+        let missing = INFER.share(MIB).unwrap_err();
+        assert_eq!(INFER.share(MIB + missing).map(|s| (s.workers, s.batch)), Ok((1, 16)));
+        assert_eq!(INFER.share(MIB + missing - 1), Err(1));
+    }
+
+    #[test]
+    fn batches_shrink_after_shards_and_before_workers() {
+        let batches = |memory: u64| INFER.share(memory * MIB).map(|s| (s.workers, s.batch)).unwrap();
+        assert_eq!(batches(100_000), (16, 256));
+        let (workers, batch) = batches(600);
+        assert!(workers == 16 && batch < 256, "{workers} {batch}");
+        assert!(batches(100).0 < 16);
+        for memory in 40..2000 {
+            assert!(INFER.share(memory * MIB).is_ok_and(|s| s.needs() == memory * MIB && s.shards >= INFER.shard));
+        }
+        assert_eq!(InferInputs { batch: 7, ..INFER }.share(1 << 40).unwrap().batch, 7);
+    }
+}
