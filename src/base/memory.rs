@@ -9,8 +9,8 @@ pub fn resident() -> Option<u64> {
     anonymous(&status)
 }
 
-/// `RssAnon` and `RssShmem` of a `/proc/PID/status`, bytes.
-fn anonymous(status: &str) -> Option<u64> {
+/// Bytes of anonymous memory in a `/proc/PID/status`: its `RssAnon` and `RssShmem`.
+pub fn anonymous(status: &str) -> Option<u64> {
     let kibibytes = |name: &str| -> Option<u64> {
         let line = status.lines().find_map(|line| line.strip_prefix(name)?.strip_prefix(':'))?;
         line.trim().strip_suffix("kB")?.trim().parse().ok()

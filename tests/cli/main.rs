@@ -2,6 +2,8 @@
 //! command, its folder and both of its outputs.
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+#[cfg(target_os = "linux")]
+mod budget;
 mod changes;
 mod files;
 mod kills;
