@@ -109,7 +109,8 @@ fn rows<const COLUMNS: usize>((shape, values): (Vec<usize>, Vec<f32>), path: &Pa
     if !matches!(shape[..], [_, columns] if columns == COLUMNS) {
         return Err(Error::malformed(path, format!("shape {shape:?}, where [n, {COLUMNS}] is needed")));
     }
-    Ok(values.as_chunks().0.to_vec())
+    // In place, as a rule; a table may be a large part of the memory that there is.
+    Ok(bytemuck::allocation::try_cast_vec(values).unwrap_or_else(|(_, values)| values.as_chunks().0.to_vec()))
 }
 
 /// Why an array could not be read.
