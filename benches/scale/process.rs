@@ -6,6 +6,8 @@ use std::process::{Command, ExitStatus, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
+use gonio::base::memory;
+
 /// How often the memory is looked at.
 const EVERY: Duration = Duration::from_millis(5);
 
@@ -40,18 +42,9 @@ pub fn gonio(args: &str, limit: Option<Duration>) -> io::Result<Ran> {
             child.kill()?;
             break child.wait()?;
         }
-        peak = peak.max(held(child.id()).unwrap_or(0));
+        let status = fs::read_to_string(format!("/proc/{}/status", child.id())).ok();
+        peak = peak.max(status.as_deref().and_then(memory::anonymous).unwrap_or(0));
         sleep(EVERY);
     };
     Ok(Ran { command: format!("gonio {args}"), status, wall: started.elapsed(), peak })
-}
-
-/// Bytes of anonymous and shared memory that a process has resident.
-fn held(process: u32) -> Option<u64> {
-    let status = fs::read_to_string(format!("/proc/{process}/status")).ok()?;
-    let kib = |name: &str| -> Option<u64> {
-        let line = status.lines().find_map(|line| line.strip_prefix(name))?;
-        line.trim().trim_end_matches(" kB").parse().ok()
-    };
-    Some((kib("RssAnon:")? + kib("RssShmem:")?) << 10)
 }

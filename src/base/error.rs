@@ -74,31 +74,27 @@ impl Error {
         Error::Context { doing: doing.into(), source: Box::new(self) }
     }
 
+    /// What went wrong, without what was being done.
+    fn cause(&self) -> &Error {
+        match self {
+            Error::Context { source, .. } => source.cause(),
+            cause => cause,
+        }
+    }
+
     /// The file that is not what its format says it should be, if that is what is wrong.
     pub fn malformed_file(&self) -> Option<&Path> {
-        match self {
-            Error::Malformed { path, .. } => Some(path),
-            Error::Context { source, .. } => source.malformed_file(),
-            _ => None,
-        }
+        if let Error::Malformed { path, .. } = self.cause() { Some(path) } else { None }
     }
 
     /// Whether a disk is full.
     pub fn is_disk_full(&self) -> bool {
         let full = [std::io::ErrorKind::StorageFull, std::io::ErrorKind::QuotaExceeded];
-        match self {
-            Error::Io { source, .. } => full.contains(&source.kind()),
-            Error::Context { source, .. } => source.is_disk_full(),
-            _ => false,
-        }
+        matches!(self.cause(), Error::Io { source, .. } if full.contains(&source.kind()))
     }
 
     /// Whether the run was asked to stop, rather than broken.
     pub fn is_interrupt(&self) -> bool {
-        match self {
-            Error::Interrupted => true,
-            Error::Context { source, .. } => source.is_interrupt(),
-            _ => false,
-        }
+        matches!(self.cause(), Error::Interrupted)
     }
 }

@@ -18,9 +18,9 @@ impl Key {
         Ok(Key(*hasher.finalize().as_bytes()))
     }
 
-    /// The key of a text.
-    pub fn of_text(text: &str) -> Key {
-        Key(*blake3::hash(text.as_bytes()).as_bytes())
+    /// The key of bytes.
+    pub fn of_bytes(bytes: &[u8]) -> Key {
+        Key(*blake3::hash(bytes).as_bytes())
     }
 }
 

@@ -7,6 +7,8 @@ use std::path::Path;
 use super::{obj, ply};
 use crate::base::{Error, Result};
 use crate::scene::Mesh;
+use crate::scene::mesh::MeshError;
+use crate::scene::survey::{Polygons, Survey};
 
 /// Reads a mesh: PLY if the file begins so, OBJ if its name ends in `.obj`.
 ///
@@ -24,6 +26,16 @@ pub fn read_mesh(path: &Path) -> Result<Mesh> {
         _ if named("ply") => ply::read_mesh(path),
         _ => Err(Error::malformed(path, "no mesh that gonio reads: PLY, or OBJ in a file that is named .obj")),
     }
+}
+
+/// The mesh that a file tells of, in two passes over it, so that nothing is held but the mesh.
+pub(super) fn in_two_passes(path: &Path, tell: impl Fn(&mut dyn Polygons) -> Result<()>) -> Result<Mesh> {
+    let wrong = |why: MeshError| Error::malformed(path, why.to_string());
+    let mut survey = Survey::default();
+    tell(&mut survey)?;
+    let mut filling = survey.filling().map_err(wrong)?;
+    tell(&mut filling)?;
+    filling.finish().map_err(wrong)
 }
 
 #[cfg(test)]

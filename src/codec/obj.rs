@@ -11,10 +11,10 @@ use std::path::Path;
 
 use glam::DVec3;
 
+use super::mesh::in_two_passes;
 use crate::base::{Error, Result};
 use crate::scene::Mesh;
-use crate::scene::mesh::MeshError;
-use crate::scene::survey::{Polygons, Survey};
+use crate::scene::survey::Polygons;
 
 /// The longest statement, bytes: a wrong file must not be gathered as one line.
 const LONGEST: u64 = 1 << 20;
@@ -24,16 +24,11 @@ const LONGEST: u64 = 1 << 20;
 /// # Errors
 /// If the file cannot be read; if there are no faces, or a statement is wrong: with its line.
 pub fn read_mesh(path: &Path) -> Result<Mesh> {
-    let wrong = |why: MeshError| Error::malformed(path, why.to_string());
-    let mut survey = Survey::default();
-    tell(path, &mut survey)?;
-    let mut filling = survey.filling().map_err(wrong)?;
-    tell(path, &mut filling)?;
-    filling.finish().map_err(wrong)
+    in_two_passes(path, |to| tell(path, to))
 }
 
 /// Reads the file once.
-fn tell(path: &Path, to: &mut impl Polygons) -> Result<()> {
+fn tell(path: &Path, to: &mut dyn Polygons) -> Result<()> {
     let file = File::open(path).map_err(Error::io("open", path))?;
     let mut told = Told { to, vertices: 0, faces: 0 };
     let mut lines = Lines { reader: BufReader::with_capacity(1 << 18, file), number: 0 };
@@ -46,13 +41,13 @@ fn tell(path: &Path, to: &mut impl Polygons) -> Result<()> {
 }
 
 /// What the statements so far have told.
-struct Told<'a, P> {
-    to: &'a mut P,
+struct Told<'a> {
+    to: &'a mut dyn Polygons,
     vertices: usize,
     faces: u64,
 }
 
-impl<P: Polygons> Told<'_, P> {
+impl Told<'_> {
     /// Adds what a statement says; in words what is wrong with it.
     fn add(&mut self, statement: &str) -> Result<(), String> {
         let statement = statement.split('#').next().unwrap_or_default();

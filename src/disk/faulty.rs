@@ -24,6 +24,8 @@ pub(crate) enum Fault {
 pub(crate) struct FaultyStore {
     inner: Arc<dyn Store>,
     state: Arc<State>,
+    /// A file that is read wrong, however often it is written.
+    rotten: Option<String>,
 }
 
 #[derive(Debug)]
@@ -50,7 +52,12 @@ impl FaultyStore {
     /// Fails at step `at`, counted from 0; never if there are not so many.
     pub(crate) fn new(inner: Arc<dyn Store>, at: u64, fault: Fault) -> Self {
         let state = State { at, fault, steps: AtomicU64::new(0), dead: AtomicBool::new(false) };
-        FaultyStore { inner, state: Arc::new(state) }
+        FaultyStore { inner, state: Arc::new(state), rotten: None }
+    }
+
+    /// Never fails, but reads this file wrong, however often it is written.
+    pub(crate) fn rotten(inner: Arc<dyn Store>, name: &str) -> Self {
+        FaultyStore { rotten: Some(name.to_owned()), ..FaultyStore::new(inner, u64::MAX, Fault::Killed) }
     }
 
     /// Steps so far.
@@ -122,7 +129,14 @@ impl Store for FaultyStore {
     }
 
     fn open(&self, name: &str) -> Result<Content> {
-        self.inner.open(name)
+        let content = self.inner.open(name)?;
+        if self.rotten.as_deref() != Some(name) {
+            return Ok(content);
+        }
+        let mut bytes = content.to_vec();
+        let middle = bytes.len() / 3;
+        bytes[middle] ^= 4;
+        Ok(Content::Held(bytes.into()))
     }
 
     fn size(&self, name: &str) -> Result<Option<u64>> {

@@ -216,12 +216,12 @@ impl Manifest {
 
     fn write(&self) -> Result<()> {
         let layout = Layout { version: VERSION, checksum: checksum(&self.units), units: self.units.clone() };
+        let failed = |name| Error::io("write", self.store.path(name));
+        let mut text = serde_json::to_vec_pretty(&layout).map_err(|why| failed(MANIFEST)(why.into()))?;
+        text.push(b'\n');
         for name in [MANIFEST, COPY] {
             let mut draft = self.store.create(name)?;
-            serde_json::to_writer_pretty(&mut draft, &layout)
-                .map_err(std::io::Error::from)
-                .and_then(|()| draft.write_all(b"\n"))
-                .map_err(Error::io("write", self.store.path(name)))?;
+            draft.write_all(&text).map_err(failed(name))?;
             draft.replace()?;
         }
         Ok(())
@@ -248,7 +248,7 @@ impl Manifest {
 
 fn checksum(units: &Units) -> String {
     // Strings and numbers in a map with string keys have no way to fail.
-    Key(*blake3::hash(&serde_json::to_vec(units).unwrap_or_default()).as_bytes()).to_string()
+    Key::of_bytes(&serde_json::to_vec(units).unwrap_or_default()).to_string()
 }
 
 /// The units of the manifest under this name, or what is wrong with it; `None` if there is none. Another version is an

@@ -137,7 +137,7 @@ impl FileEntry {
     /// Reads the whole file and compares it with the entry. For files that carry no checksums of their own.
     pub fn verify(&self, store: &dyn Store) -> Result<Content> {
         let content = store.open(&self.name)?;
-        let found = Key(*blake3::hash(&content).as_bytes()).to_string();
+        let found = Key::of_bytes(&content).to_string();
         if content.len() as u64 == self.bytes && found == self.checksum {
             return Ok(content);
         }

@@ -9,12 +9,10 @@ use super::scene::Loaded;
 use super::{Pipeline, shards};
 use crate::base::Result;
 use crate::disk::{DirStore, Manifest, Recipe, Unit};
-use crate::shard::Blocks;
-use crate::shard::format::SHARD;
 use crate::stages::export::EXPORT;
-use crate::stages::gather::{FRAMES, open_blocks};
+use crate::stages::gather::FRAMES;
 use crate::stages::merge::TABLES;
-use crate::stages::shards::SHARD as SHARD_UNIT;
+use crate::stages::shards::SHARD;
 
 /// What the next run would do again, part by part of the run, in order.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -77,12 +75,9 @@ pub fn explain(pipeline: &Pipeline) -> Result<Explanation> {
         causes: each_once(causes),
     };
 
-    let kept = groups.iter().filter_map(|group| manifest.files(&group.recipe.unit()));
-    let blocks: Vec<Blocks> = kept.map(|files| open_blocks(&store, files)).collect::<Result<_>>()?;
-    let count = (loaded.mesh.len() as u32).div_ceil(SHARD);
-    let all = shards::shards(&blocks, count, shards::inferred_with(pipeline, &*estimator));
+    let all = shards::of_groups(pipeline, &*estimator, &store, &manifest, &groups, loaded.mesh.len())?;
     let done: BTreeMap<&str, &Recipe> =
-        manifest.of_kind(SHARD_UNIT).map(|(_, unit)| (unit.recipe.what(), &unit.recipe)).collect();
+        manifest.of_kind(SHARD).map(|(_, unit)| (unit.recipe.what(), &unit.recipe)).collect();
     let changed: Vec<_> = all.iter().filter(|shard| manifest.files(&shard.recipe.unit()).is_none()).collect();
     let causes = changed.iter().flat_map(|shard| match done.get(shard.recipe.what()) {
         Some(before) => reasons(&shard.recipe, &[before]),

@@ -105,7 +105,7 @@ fn parts_of(pipeline: &Pipeline, frame: &Frame) -> [Option<String>; 3] {
     let scene = &pipeline.scene;
     let mask = scene.masks.as_deref().and_then(|masks| image::mask_path(masks, &frame.name));
     // Debug output of floats has all their digits.
-    let pose = Key::of_text(&format!("{:?} {:?}", frame.camera, frame.pose));
+    let pose = Key::of_bytes(format!("{:?} {:?}", frame.camera, frame.pose).as_bytes());
     [Some(content(&scene.images.join(&frame.name))), mask.as_deref().map(content), Some(pose.to_string())]
 }
 

@@ -1,19 +1,21 @@
 //! The recipes of the reduce side: what has to be inferred again when a few frames have changed.
 
 use super::Pipeline;
+use crate::base::Result;
 use crate::base::key::{Key, KeyBuilder};
-use crate::disk::Recipe;
+use crate::disk::{Manifest, Recipe, Store};
 use crate::model::Estimator;
 use crate::shard::format::Hash;
 use crate::shard::{Blocks, format, rows};
+use crate::stages::gather::{Group, open_blocks};
 use crate::stages::merge::{self, TABLES};
 use crate::stages::shards::{SHARD, Shard};
 
 /// The part of a shard's recipe that stands for its blocks.
-pub const BLOCKS: &str = "observations";
+const BLOCKS: &str = "observations";
 
 /// The shards below `count` that something was observed in. `with` adds what turns their blocks into rows.
-pub fn shards(blocks: &[Blocks], count: u32, with: impl Fn(Recipe) -> Recipe) -> Vec<Shard> {
+fn shards(blocks: &[Blocks], count: u32, with: impl Fn(Recipe) -> Recipe) -> Vec<Shard> {
     let shard = |number: u32| {
         let mut hashes: Vec<Hash> = blocks.iter().flat_map(|unit| unit.of(number)).collect();
         // Which unit a block belongs to has no part in what comes of it.
@@ -25,8 +27,26 @@ pub fn shards(blocks: &[Blocks], count: u32, with: impl Fn(Recipe) -> Recipe) ->
     (0..count).filter_map(shard).collect()
 }
 
+/// The shards of a mesh of so many triangles that these groups, as far as they are done, saw anything in.
+///
+/// # Errors
+/// A list of blocks that cannot be read.
+pub fn of_groups(
+    pipeline: &Pipeline,
+    estimator: &dyn Estimator,
+    store: &dyn Store,
+    manifest: &Manifest,
+    groups: &[Group],
+    triangles: usize,
+) -> Result<Vec<Shard>> {
+    let done = groups.iter().filter_map(|group| manifest.files(&group.recipe.unit()));
+    let blocks: Vec<Blocks> = done.map(|files| open_blocks(store, files)).collect::<Result<_>>()?;
+    let count = (triangles as u32).div_ceil(format::SHARD);
+    Ok(shards(&blocks, count, inferred_with(pipeline, estimator)))
+}
+
 /// Adds what turns blocks into rows: the network, its engine, settings and formats.
-pub fn inferred_with<'a>(pipeline: &'a Pipeline, estimator: &'a dyn Estimator) -> impl Fn(Recipe) -> Recipe + 'a {
+fn inferred_with<'a>(pipeline: &'a Pipeline, estimator: &'a dyn Estimator) -> impl Fn(Recipe) -> Recipe + 'a {
     let (model, engine) = (estimator.key(), estimator.engine());
     move |recipe| {
         recipe

@@ -56,11 +56,6 @@ impl Polygons for Survey {
 }
 
 impl Survey {
-    /// Triangles found.
-    pub fn triangles(&self) -> u64 {
-        self.triangles as u64
-    }
-
     /// Bytes of memory that the mesh will hold.
     pub fn bytes(&self) -> u64 {
         (self.vertices * size_of::<Vec3>() + self.triangles * size_of::<[u32; 3]>()) as u64

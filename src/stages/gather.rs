@@ -157,8 +157,7 @@ impl<'a> Gather<'a> {
         let draft = self.draft()?;
         let path = draft.path().to_owned();
         let (draft, index) = self.rows.write(draft).map_err(Error::io("write", path))?;
-        self.keep(draft, index, meter)?;
-        Ok(())
+        self.keep(draft, index, meter)
     }
 
     /// Merges the group's segments until one is left.

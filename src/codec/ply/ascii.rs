@@ -14,7 +14,7 @@ use crate::scene::survey::Polygons;
 const LONGEST: usize = 512;
 
 /// Tells of all vertices and faces.
-pub(super) fn read(header: &Header, reader: impl BufRead, path: &Path, to: &mut impl Polygons) -> Result<()> {
+pub(super) fn read(header: &Header, reader: impl BufRead, path: &Path, to: &mut dyn Polygons) -> Result<()> {
     let mut words = Words { reader, word: Vec::new(), path };
     let vertices = header.vertex().count;
     let mut corners = Vec::new();

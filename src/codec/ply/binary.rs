@@ -20,7 +20,7 @@ pub(super) fn read(
     endian: Endian,
     reader: impl Read,
     path: &Path,
-    to: &mut impl Polygons,
+    to: &mut dyn Polygons,
 ) -> Result<()> {
     let mut bytes = Bytes { reader, left: header.body, buffer: Vec::new(), path };
     let vertices = header.vertex().count;
@@ -56,7 +56,7 @@ fn read_vertices<R: Read>(
     stride: usize,
     endian: Endian,
     bytes: &mut Bytes<'_, R>,
-    to: &mut impl Polygons,
+    to: &mut dyn Polygons,
 ) -> Result<()> {
     let mut row = 0;
     let mut vertices = Vec::new();
@@ -86,7 +86,7 @@ fn read_uneven_vertices<R: Read>(
     element: &Element,
     endian: Endian,
     bytes: &mut Bytes<'_, R>,
-    to: &mut impl Polygons,
+    to: &mut dyn Polygons,
 ) -> Result<()> {
     let Some(xyz) = element.xyz() else { return Ok(()) };
     for row in 0..element.count {
@@ -110,7 +110,7 @@ fn read_faces<R: Read>(
     endian: Endian,
     bytes: &mut Bytes<'_, R>,
     vertices: u64,
-    to: &mut impl Polygons,
+    to: &mut dyn Polygons,
 ) -> Result<()> {
     let Some(indices) = element.indices() else { return Ok(()) };
     let (before, rest) = element.properties.split_at(indices);

@@ -6,7 +6,7 @@ use crate::scene::survey::Polygons;
 ///
 /// # Errors
 /// In words, if it has fewer than three corners or refers to a vertex that is not there.
-pub(super) fn fan(vertices: u64, face: u64, corners: &[i128], to: &mut impl Polygons) -> Result<(), String> {
+pub(super) fn fan(vertices: u64, face: u64, corners: &[i128], to: &mut dyn Polygons) -> Result<(), String> {
     let [first, rest @ ..] = corners else { return Err(too_few(face, 0)) };
     if rest.len() < 2 {
         return Err(too_few(face, corners.len()));

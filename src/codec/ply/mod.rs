@@ -23,10 +23,10 @@ use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 
+use super::mesh::in_two_passes;
 use crate::base::{Error, Result};
 use crate::scene::Mesh;
-use crate::scene::mesh::MeshError;
-use crate::scene::survey::{Polygons, Survey};
+use crate::scene::survey::Polygons;
 use header::{Format, Header};
 
 pub use write::{FaceColumn, Values, write_mesh};
@@ -38,16 +38,11 @@ pub use write::{FaceColumn, Values, write_mesh};
 /// If the file cannot be read or is truncated; if there are no faces, a face has fewer than three corners or refers to
 /// a vertex that is not there, a coordinate is not finite: with the element's position, counted from 0.
 pub fn read_mesh(path: &Path) -> Result<Mesh> {
-    let wrong = |why: MeshError| Error::malformed(path, why.to_string());
-    let mut survey = Survey::default();
-    tell(path, &mut survey)?;
-    let mut filling = survey.filling().map_err(wrong)?;
-    tell(path, &mut filling)?;
-    filling.finish().map_err(wrong)
+    in_two_passes(path, |to| tell(path, to))
 }
 
 /// Reads the file once.
-fn tell(path: &Path, to: &mut impl Polygons) -> Result<()> {
+fn tell(path: &Path, to: &mut dyn Polygons) -> Result<()> {
     let (header, reader) = open(path)?;
     match header.format {
         Format::Ascii => ascii::read(&header, reader, path, to),

@@ -45,8 +45,6 @@ struct Run<'a> {
     budget: Budget,
     plan: Plan,
     report: Report,
-    /// Bytes that the run is expected to leave on the disk.
-    disk: u64,
 }
 
 /// Runs or resumes the pipeline to its end.
@@ -112,7 +110,7 @@ impl<'a> Run<'a> {
     fn new(store: Arc<dyn Store>, pipeline: &'a Pipeline, stop: &StopSignal, progress: &'a Progress) -> Self {
         let budget = Budget::new(pipeline.run.memory, stop);
         let report = Report { gonio: env!("CARGO_PKG_VERSION").into(), ..Report::default() };
-        Run { pipeline, stop: stop.clone(), progress, store, budget, plan: Plan::default(), report, disk: 0 }
+        Run { pipeline, stop: stop.clone(), progress, store, budget, plan: Plan::default(), report }
     }
 
     /// Goes on from what the manifest has to the end.
@@ -146,7 +144,6 @@ impl<'a> Run<'a> {
             let loaded = Loaded::open(run.pipeline, &*run.store, manifest)?;
             let plan = Plan::new(run.pipeline, Inputs::of(run.pipeline, &loaded, &*estimator, base)?);
             plan.fits()?;
-            run.disk = plan.disk;
             let later = plan.phases.iter().filter(|p| p.name != "load");
             let expected: Vec<_> = later.map(|p| (p.name, Duration::from_secs_f64(p.seconds))).collect();
             run.progress.expect(&expected);
@@ -156,7 +153,6 @@ impl<'a> Run<'a> {
         })?;
         let _process = self.budget.reserve("process", base)?;
         resume::forget_others(manifest, FRAMES, groups.iter().map(|group| &group.recipe))?;
-
         resume::forget_others(manifest, scene::SCENE, [&scene::recipe(loaded.mesh_key)])?;
 
         if !loaded.is_mapped() {
@@ -208,7 +204,7 @@ impl<'a> Run<'a> {
             "the disk of {} is full, and about {} is still to be written there: free that much, and the same command goes \
              on from here",
             self.pipeline.run.work.display(),
-            Bytes(self.disk.saturating_sub(there))
+            Bytes(self.plan.disk.saturating_sub(there))
         ))
     }
 }

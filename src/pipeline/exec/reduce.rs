@@ -13,12 +13,11 @@ use crate::pipeline::report::Shards as ShardCounts;
 use crate::pipeline::scene::Loaded;
 use crate::pipeline::share::InferInputs;
 use crate::pipeline::{resume, shards};
-use crate::shard::format::SHARD;
 use crate::shard::merge_need;
-use crate::stages::gather::{Group, open_blocks};
+use crate::stages::gather::Group;
 use crate::stages::infer::Infer;
 use crate::stages::merge::{Materials, TABLES};
-use crate::stages::shards::{Keep, Merged, SHARD as SHARD_UNIT, Shard};
+use crate::stages::shards::{Keep, Merged, SHARD, Shard};
 
 impl Run<'_> {
     /// The reduce side: infers the shards that the manifest lacks, and gives the materials of all triangles, read back if
@@ -30,12 +29,10 @@ impl Run<'_> {
         estimator: &dyn Estimator,
         manifest: &mut Manifest,
     ) -> Result<(Materials, Reservation, Recipe)> {
-        let files = groups.iter().filter_map(|g| manifest.files(&g.recipe.unit()));
-        let blocks: Vec<_> = files.map(|files| open_blocks(&*self.store, files)).collect::<Result<_>>()?;
-        let count = (loaded.mesh.len() as u32).div_ceil(SHARD);
-        let all = shards::shards(&blocks, count, shards::inferred_with(self.pipeline, estimator));
+        let triangles = loaded.mesh.len();
+        let all = shards::of_groups(self.pipeline, estimator, &*self.store, manifest, groups, triangles)?;
         let tables = shards::tables(self.pipeline, loaded.mesh_key, &all);
-        resume::forget_others(manifest, SHARD_UNIT, all.iter().map(|shard| &shard.recipe))?;
+        resume::forget_others(manifest, SHARD, all.iter().map(|shard| &shard.recipe))?;
         resume::forget_others(manifest, TABLES, [&tables])?;
 
         let to_do: Vec<Shard> = all.iter().filter(|s| manifest.files(&s.recipe.unit()).is_none()).cloned().collect();

@@ -1,7 +1,7 @@
 //! A small run that is killed, refused or torn at every step that it takes on the disk.
 
 use std::io::ErrorKind;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 use tempfile::TempDir;
@@ -129,51 +129,9 @@ fn a_disk_that_spoils_the_same_file_twice_ends_the_run() {
     let store = MemStore::new();
     run_here(Arc::new(store.clone()), &pipeline).unwrap();
     let list = store.list("segments").unwrap().into_iter().find(|name| name.ends_with(".blocks")).unwrap();
-    let rotten = Rotten { inner: store, name: list };
+    let rotten = FaultyStore::rotten(Arc::new(store), &list);
     let why = run_here(Arc::new(rotten), &pipeline).unwrap_err().to_string();
     assert!(why.contains("checksum"), "{why}");
-}
-
-/// A store that reads one file wrong, however often it is written.
-#[derive(Debug)]
-struct Rotten {
-    inner: MemStore,
-    name: String,
-}
-
-impl Store for Rotten {
-    fn begin(&self, name: &str) -> Result<Box<dyn crate::disk::store::Sink>> {
-        self.inner.begin(name)
-    }
-
-    fn open(&self, name: &str) -> Result<crate::disk::Content> {
-        let content = self.inner.open(name)?;
-        Ok(if name == self.name { crate::disk::Content::Held(flipped(&content).into()) } else { content })
-    }
-
-    fn size(&self, name: &str) -> Result<Option<u64>> {
-        self.inner.size(name)
-    }
-
-    fn list(&self, folder: &str) -> Result<Vec<String>> {
-        self.inner.list(folder)
-    }
-
-    fn rename(&self, from: &str, to: &str) -> Result<()> {
-        self.inner.rename(from, to)
-    }
-
-    fn remove(&self, name: &str) -> Result<()> {
-        self.inner.remove(name)
-    }
-
-    fn sweep(&self) -> Result<Vec<String>> {
-        self.inner.sweep()
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.inner.path(name)
-    }
 }
 
 /// The same bytes but for a bit in the middle.
