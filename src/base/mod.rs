@@ -1,6 +1,7 @@
-//! What every floor stands on: errors, ids, units, content keys, arrays, the process's memory.
+//! What every floor stands on: errors, ids, sets of them, units, content keys, arrays, the process's memory.
 
 pub mod array;
+mod bits;
 pub mod error;
 pub mod ids;
 pub mod key;
@@ -8,4 +9,5 @@ pub mod memory;
 pub mod units;
 
 pub use array::Array;
+pub use bits::Bits;
 pub use error::{Error, Result};

@@ -15,7 +15,8 @@ use std::fs::File;
 use std::io::{self, BufReader, Read, Write};
 use std::path::Path;
 
-use crate::base::{Error, Result};
+use crate::base::array::SharedBytes;
+use crate::base::{Array, Error, Result};
 
 const MAGIC: &[u8] = b"\x93NUMPY";
 /// Longest header that is read; numpy writes 128 bytes for an ordinary array.
@@ -97,18 +98,31 @@ pub fn read_rows<const COLUMNS: usize>(path: &Path) -> Result<Vec<[f32; COLUMNS]
     rows(read_f32(path)?, path)
 }
 
-/// The same from a file's bytes; `path` is what errors name.
+/// The same where the file's bytes are shared, as those of a mapped file: rows of f32 stay where they lie, and no more than
+/// their header is looked at. `path` is what errors name.
 ///
 /// # Errors
 /// As [`read_rows`].
-pub fn rows_of<const COLUMNS: usize>(bytes: &[u8], path: &Path) -> Result<Vec<[f32; COLUMNS]>> {
-    rows(parse(bytes, bytes.len() as u64).map_err(|fault| fault.of(path))?, path)
+pub fn view<const COLUMNS: usize>(bytes: SharedBytes, path: &Path) -> Result<Array<[f32; COLUMNS]>> {
+    let all = (*bytes).as_ref();
+    let header = header(&mut &all[..], all.len() as u64).map_err(|fault| fault.of(path))?;
+    if header.wide || cfg!(target_endian = "big") {
+        let found = parse(all, all.len() as u64).map_err(|fault| fault.of(path))?;
+        return Ok(rows(found, path)?.into());
+    }
+    check_columns::<COLUMNS>(&header.shape, path)?;
+    Array::view(&bytes, header.start as usize..all.len()).map_err(|found| Error::malformed(path, found))
+}
+
+fn check_columns<const COLUMNS: usize>(shape: &[usize], path: &Path) -> Result<()> {
+    if matches!(shape, [_, columns] if *columns == COLUMNS) {
+        return Ok(());
+    }
+    Err(Error::malformed(path, format!("shape {shape:?}, where [n, {COLUMNS}] is needed")))
 }
 
 fn rows<const COLUMNS: usize>((shape, values): (Vec<usize>, Vec<f32>), path: &Path) -> Result<Vec<[f32; COLUMNS]>> {
-    if !matches!(shape[..], [_, columns] if columns == COLUMNS) {
-        return Err(Error::malformed(path, format!("shape {shape:?}, where [n, {COLUMNS}] is needed")));
-    }
+    check_columns::<COLUMNS>(&shape, path)?;
     // In place, as a rule; a table may be a large part of the memory that there is.
     Ok(bytemuck::allocation::try_cast_vec(values).unwrap_or_else(|(_, values)| values.as_chunks().0.to_vec()))
 }
@@ -135,7 +149,17 @@ impl From<io::Error> for Fault {
     }
 }
 
-fn parse(mut file: impl Read, length: u64) -> Result<(Vec<usize>, Vec<f32>), Fault> {
+/// What stands before the values.
+struct Header {
+    shape: Vec<usize>,
+    /// Whether the values are f64.
+    wide: bool,
+    /// Where they start.
+    start: u64,
+}
+
+/// Reads a header and holds it against the length of the file.
+fn header(file: &mut impl Read, length: u64) -> Result<Header, Fault> {
     let found = |words: String| Err(Fault::Found(words));
     let mut fixed = [0; 8];
     if length < 12 || file.read_exact(&mut fixed).is_err() || &fixed[..6] != MAGIC {
@@ -159,11 +183,17 @@ fn parse(mut file: impl Read, length: u64) -> Result<(Vec<usize>, Vec<f32>), Fau
         Ok(meaning) => meaning,
         Err(words) => return found(format!("{words} in the header {:?}", header.trim_end())),
     };
-    let bytes = length - before - size;
-    let width = if wide { 8 } else { 4 };
+    let start = before + size;
+    let (width, bytes) = (if wide { 8 } else { 4 }, length - start);
     if values(&shape).and_then(|n| n.checked_mul(width)) != Some(bytes) {
         return found(format!("shape {shape:?} of {width}-byte values, but {bytes} bytes of them"));
     }
+    Ok(Header { shape, wide, start })
+}
+
+fn parse(mut file: impl Read, length: u64) -> Result<(Vec<usize>, Vec<f32>), Fault> {
+    let Header { shape, wide, start } = header(&mut file, length)?;
+    let (width, bytes) = (if wide { 8 } else { 4 }, length - start);
     let mut raw = Vec::new();
     let mut out = Vec::with_capacity((bytes / width) as usize);
     loop {
@@ -178,7 +208,8 @@ fn parse(mut file: impl Read, length: u64) -> Result<(Vec<usize>, Vec<f32>), Fau
         }
     }
     if out.len() as u64 * width != bytes {
-        return found(format!("{bytes} bytes of values when opened, {} when read", out.len() as u64 * width));
+        let read = out.len() as u64 * width;
+        return Err(Fault::Found(format!("{bytes} bytes of values when opened, {read} when read")));
     }
     Ok((shape, out))
 }
@@ -247,6 +278,24 @@ mod tests {
         let mut bytes = file("{'descr': '<f8', 'fortran_order': False, 'shape': (2,), }     \n", 0);
         bytes.extend([1.5f64, -0.25].iter().flat_map(|v| v.to_le_bytes()));
         assert_eq!(read(&bytes).unwrap(), (vec![2], vec![1.5, -0.25]));
+    }
+
+    #[test]
+    fn a_view_is_the_rows_where_they_lie() {
+        let values: Vec<f32> = (0..21).map(|i| i as f32 / 7.0 - 1.0).collect();
+        let view = |bytes: Vec<u8>| view::<7>(std::sync::Arc::new(bytes), Path::new("a.npy"));
+        let rows = view(write_f32(Vec::new(), &[3, 7], &values).unwrap()).unwrap();
+        assert_eq!(rows.as_flattened(), values);
+        let mut wide = file("{'descr': '<f8', 'fortran_order': False, 'shape': (1, 7), }     \n", 0);
+        wide.extend([1.5f64; 7].iter().flat_map(|v| v.to_le_bytes()));
+        assert_eq!(*view(wide).unwrap(), [[1.5; 7]]);
+        for shape in [&[7, 3][..], &[21], &[3, 7, 1]] {
+            let refusal = view(write_f32(Vec::new(), shape, &values).unwrap()).unwrap_err().to_string();
+            assert!(refusal.contains("[n, 7] is needed"), "{refusal}");
+        }
+        let mut short = write_f32(Vec::new(), &[3, 7], &values).unwrap();
+        short.pop();
+        assert!(view(short).is_err());
     }
 
     #[test]

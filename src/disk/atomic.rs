@@ -50,6 +50,13 @@ impl AtomicFile {
         self.renamed = true;
         sync_folder_of(&self.target)
     }
+
+    /// The bytes written so far, to be changed in place.
+    pub(super) fn map_mut(&self) -> Result<memmap2::MmapMut> {
+        // SAFETY: the file was made by this process, under a name of its own, which only its owner has. A stranger who cuts
+        // it short while it is mapped ends the process with SIGBUS, as with the files of `DirStore::open`.
+        unsafe { memmap2::MmapMut::map_mut(&self.file) }.map_err(Error::io("map", &self.temporary))
+    }
 }
 
 impl Write for AtomicFile {

@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::atomic::{AtomicFile, sync_folder_of};
-use super::store::{Content, Sink, Store, TEMPORARY, check_name};
+use super::scratch::Spool;
+use super::store::{Content, SCRATCH, Sink, Store, TEMPORARY, check_name};
 use crate::base::{Error, Result};
 
 /// A folder as a store. Links to folders within it are not followed when it is listed or swept.
@@ -62,6 +63,11 @@ impl Store for DirStore {
             make_folders(parent)?;
         }
         Ok(Box::new(AtomicFile::create(&path)?))
+    }
+
+    fn spool(&self) -> Result<Box<dyn Spool>> {
+        make_folders(&self.root)?;
+        Ok(Box::new(AtomicFile::create(&self.root.join(SCRATCH))?))
     }
 
     fn open(&self, name: &str) -> Result<Content> {

@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-use super::store::{Content, Sink, Store};
+use super::scratch::{Spool, Working};
+use super::store::{Content, SCRATCH, Sink, Store};
 use crate::base::{Error, Result};
 
 /// What happens at the step.
@@ -81,13 +82,13 @@ fn gone() -> io::Error {
     io::Error::other("the process is gone")
 }
 
-struct FaultySink {
-    inner: Option<Box<dyn Sink>>,
+struct FaultySink<S: ?Sized> {
+    inner: Option<Box<S>>,
     store: FaultyStore,
     name: String,
 }
 
-impl Write for FaultySink {
+impl<S: Write + ?Sized> Write for FaultySink<S> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         let inner = self.inner.as_mut().ok_or_else(gone)?;
         match self.store.state.step()? {
@@ -103,7 +104,7 @@ impl Write for FaultySink {
     }
 }
 
-impl Sink for FaultySink {
+impl Sink for FaultySink<dyn Sink> {
     fn commit(mut self: Box<Self>, replace: bool) -> Result<()> {
         // The sync of the bytes, the rename, the sync of the folder: what fails before the rename leaves no name.
         let (store, name) = (self.store.clone(), self.name.clone());
@@ -113,7 +114,13 @@ impl Sink for FaultySink {
     }
 }
 
-impl Drop for FaultySink {
+impl Spool for FaultySink<dyn Spool> {
+    fn work(mut self: Box<Self>) -> Result<Working> {
+        self.inner.take().map_or(Err(Error::invalid("no spool")), |spool| spool.work())
+    }
+}
+
+impl<S: ?Sized> Drop for FaultySink<S> {
     fn drop(&mut self) {
         if self.store.state.dead.load(Ordering::SeqCst) {
             // Who is gone does not clean up.
@@ -126,6 +133,11 @@ impl Store for FaultyStore {
     fn begin(&self, name: &str) -> Result<Box<dyn Sink>> {
         let inner = Some(self.inner.begin(name)?);
         Ok(Box::new(FaultySink { inner, store: self.clone(), name: name.to_owned() }))
+    }
+
+    fn spool(&self) -> Result<Box<dyn Spool>> {
+        let inner = Some(self.inner.spool()?);
+        Ok(Box::new(FaultySink { inner, store: self.clone(), name: SCRATCH.to_owned() }))
     }
 
     fn open(&self, name: &str) -> Result<Content> {

@@ -5,7 +5,8 @@ use std::io::{self, Write};
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use super::store::{Content, Sink, Store, check_name};
+use super::scratch::{Spool, Working};
+use super::store::{Content, SCRATCH, Sink, Store, check_name};
 use crate::base::{Error, Result};
 
 /// Files in memory; cloning shares them.
@@ -56,10 +57,20 @@ impl Sink for MemSink {
     }
 }
 
+impl Spool for MemSink {
+    fn work(self: Box<Self>) -> Result<Working> {
+        Ok(Working::held(&self.bytes))
+    }
+}
+
 impl Store for MemStore {
     fn begin(&self, name: &str) -> Result<Box<dyn Sink>> {
         check_name(name)?;
         Ok(Box::new(MemSink { store: self.clone(), name: name.to_owned(), bytes: Vec::new() }))
+    }
+
+    fn spool(&self) -> Result<Box<dyn Spool>> {
+        Ok(Box::new(MemSink { store: self.clone(), name: SCRATCH.to_owned(), bytes: Vec::new() }))
     }
 
     fn open(&self, name: &str) -> Result<Content> {

@@ -9,6 +9,7 @@
 //! - **The manifest comes last and names all that counts.** Files first, then the manifest. What a run owns and the
 //!   manifest does not name is the rubbish of a broken run, and is swept when the run is opened again. Nothing else is
 //!   ever removed: a run may live in a folder with other files.
+//! - **Scratch is nobody's.** What is worked on and not kept ([`Scratch`]) has a temporary name and is never committed.
 //! - **One writer.** [`Lock`] keeps a second run out of the folder. What checks and then acts here relies on it.
 //! - **Nothing is trusted.** A file's size is checked when a run is opened, its bytes when it is read: sealed files by
 //!   their footer, others by the manifest's checksum or their own. Names cannot leave the store.
@@ -21,6 +22,7 @@ pub mod lock;
 pub mod manifest;
 pub mod mem;
 mod recipe;
+pub mod scratch;
 pub mod sealed;
 pub mod store;
 
@@ -30,6 +32,7 @@ pub use lock::Lock;
 pub use manifest::{Manifest, Opening, Unit};
 pub use mem::MemStore;
 pub use recipe::Recipe;
+pub use scratch::{Scratch, Working};
 pub use sealed::{Seal, Sealed, SealedWriter};
 pub use store::{Content, Draft, FileEntry, Store};
 

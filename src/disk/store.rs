@@ -8,11 +8,15 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use super::scratch::{Scratch, Spool};
 use crate::base::key::Key;
 use crate::base::{Error, Result};
 
 /// Ends the names under which files are written; no file of a store may end so.
 pub const TEMPORARY: &str = ".gonio-tmp";
+
+/// Begins the temporary names of what is not kept.
+pub const SCRATCH: &str = "scratch";
 
 /// The longest name of a file in a store, in bytes.
 const LONGEST_NAME: usize = 200;
@@ -25,6 +29,9 @@ const BUFFER: usize = 1 << 17;
 pub trait Store: fmt::Debug + Send + Sync {
     /// Begins a file; folders are made as needed. Refuses a name that leaves the store.
     fn begin(&self, name: &str) -> Result<Box<dyn Sink>>;
+
+    /// Begins bytes that are not kept.
+    fn spool(&self) -> Result<Box<dyn Spool>>;
 
     /// The bytes of a committed file. They stay readable after the file is removed or replaced.
     fn open(&self, name: &str) -> Result<Content>;
@@ -46,6 +53,11 @@ pub trait Store: fmt::Debug + Send + Sync {
 
     /// What messages call a file.
     fn path(&self, name: &str) -> PathBuf;
+
+    /// Begins bytes that are worked on and not kept, buffered.
+    fn scratch(&self) -> Result<Scratch> {
+        Ok(Scratch::new(self.spool()?, self.path(SCRATCH)))
+    }
 
     /// Begins a file, buffered and hashed.
     fn create(&self, name: &str) -> Result<Draft> {

@@ -18,12 +18,13 @@ use crate::codec::image::Need;
 use crate::flow::pool;
 use crate::model::{Estimator, Session};
 use crate::scene::Material;
+use crate::scene::evidence::Evidence;
 use crate::scene::frame::Frame;
 use crate::scene::reflectance::{BINS, BinSum, FRONT_BINS};
 use crate::shard::Record;
 use crate::shard::format::SHARD;
 use crate::shard::rows::ROW;
-use crate::stages::merge::Materials;
+use crate::stages::merge;
 use crate::trace::Bvh;
 
 /// Items that wait between two stages.
@@ -195,7 +196,8 @@ impl Plan {
     /// Plans a run of this pipeline on these inputs.
     pub fn new(pipeline: &Pipeline, inputs: Inputs) -> Plan {
         let (i, limit) = (inputs, pipeline.run.memory.0);
-        let tables = Materials::BYTES_PER_TRIANGLE * i.triangles;
+        let scratch = (Material::LEN * size_of::<f32>()) as u64 * i.triangles;
+        let tables = scratch + (Evidence::LEN * size_of::<f32>()) as u64 * i.triangles;
         let bvh = Bvh::BYTES_PER_TRIANGLE * i.triangles;
         let group = u64::from(pipeline.gather.group).min(i.frames);
         let cast = CastInputs {
@@ -232,8 +234,9 @@ impl Plan {
             alone("build", i.mesh + building, 0, bvh as f64 / BYTES_PER_SECOND),
             casting,
             inferring,
-            alone("merge", tables, neighbours, tables as f64 / BYTES_PER_SECOND),
-            alone("export", 2 * tables, i.mesh, export / BYTES_PER_SECOND),
+            // The scratch of the materials is mapped, and so are the neighbours; a shard's rows are few.
+            alone("merge", merge::bytes(i.triangles), neighbours + scratch, 2.0 * tables as f64 / BYTES_PER_SECOND),
+            alone("export", EXPORTING, i.mesh + tables, export / BYTES_PER_SECOND),
         ];
         let records = i.triangles * USUAL_BINS * i.frames.div_ceil(group).min(USUAL_BINS);
         let scene = i.mesh + bvh + neighbours;
@@ -320,6 +323,9 @@ const VERTEX: u64 = 12;
 /// Bytes that the neighbours of a triangle take.
 const NEIGHBOURS: u64 = 16;
 
+/// Bytes of memory that an export holds: rows of pictures, and what is written and not yet on its way.
+const EXPORTING: u64 = 2 << 20;
+
 /// Bytes that an export takes per triangle.
 const EXPORTED: u64 = 100;
 
@@ -389,6 +395,6 @@ mod tests {
         insta::assert_snapshot!(words(INPUTS, 64), @r#"[run] memory = "64 MiB" is 55.1 MiB too small: the phase build needs 119.1 MiB, most of it for the mesh; give it more, or take a mesh of fewer triangles"#);
         insta::assert_snapshot!(words(Inputs { frame: 900 << 20, threads: 16, ..INPUTS }, 512), @r#"[run] memory = "512 MiB" is 477.5 MiB too small: the phase cast needs 989.5 MiB, most of it for one frame or shard in work; give it more, or take smaller frames, as with [decode] downscale"#);
         let fine = Inputs { triangles: 100_000_000, mesh: 1_800_000_000, ..INPUTS };
-        insta::assert_snapshot!(words(fine, 4096), @r#"[run] memory = "4 GiB" is 8.7 GiB too small: the phase export needs 12.7 GiB, most of it for the mesh; give it more, or take a mesh of fewer triangles"#);
+        insta::assert_snapshot!(words(fine, 4096), @r#"[run] memory = "4 GiB" is 55.4 MiB too small: the phase build needs 4.1 GiB, most of it for the mesh; give it more, or take a mesh of fewer triangles"#);
     }
 }

@@ -65,12 +65,17 @@ impl Config {
 /// The kind of the units of exports, of which each format is one.
 pub const EXPORT: &str = "export";
 
-/// Version of what this stage makes of the tables; part of every export's recipe.
-const VERSION: u32 = 1;
-
 impl Format {
     /// All of them.
     pub const ALL: [Format; 2] = [Format::Ply, Format::Glb];
+
+    /// Version of what this stage makes of the tables; part of the export's recipe.
+    fn version(self) -> u32 {
+        match self {
+            Format::Ply => 1,
+            Format::Glb => 2,
+        }
+    }
 
     /// The file's name in a run's store.
     pub fn file(self) -> String {
@@ -82,7 +87,7 @@ impl Config {
     /// What a format's file is made of, given what the tables are made of.
     pub fn recipe(&self, format: Format, tables: &Recipe) -> Recipe {
         let recipe = Recipe::new(format!("{EXPORT} {}", format.name()));
-        let recipe = recipe.with("tables", tables.unit()).with("format", VERSION);
+        let recipe = recipe.with("tables", tables.unit()).with("format", format.version());
         // Only what turns its axes depends on which way is up.
         if format == Format::Glb { recipe.with("export.up", format!("{:?}", self.up)) } else { recipe }
     }
@@ -101,14 +106,14 @@ impl Config {
 
 /// The mesh with a material, its evidence and the diffuse colour on every face. Triangles without a material are grey.
 fn write_ply(out: &mut Draft, path: &Path, mesh: &Mesh, materials: &Materials) -> Result<()> {
-    let (rows, evidence) = (&materials.rows, &materials.evidence);
+    let (rows, evidence) = (&materials.rows[..], &materials.evidence[..]);
     let face = |name, values| FaceColumn { name, values };
     let mut columns: Vec<FaceColumn<'_>> = Vec::new();
     for (c, name) in Material::NAMES.into_iter().enumerate() {
         columns.push(face(name, Values::F32(Box::new(move |t| rows[t as usize][c]))));
     }
     for (c, name) in Evidence::NAMES.into_iter().enumerate() {
-        columns.push(face(name, Values::F32(Box::new(move |t| evidence[t as usize].to_array()[c]))));
+        columns.push(face(name, Values::F32(Box::new(move |t| evidence[t as usize][c]))));
     }
     for (c, name) in ["red", "green", "blue"].into_iter().enumerate() {
         let shade = move |kd: f32| if kd.is_nan() { 128 } else { to_srgb8(kd) };

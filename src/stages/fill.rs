@@ -1,53 +1,78 @@
 //! Materials for triangles that have too little evidence of their own: those of the nearest observed triangles across
 //! edges, level by level outwards, so that the result depends on the mesh alone.
+//!
+//! Of each triangle no more than a few bits are held; the materials may lie in a mapped file.
 
+use crate::base::Bits;
 use crate::base::ids::TriangleId;
 use crate::scene::Material;
 use crate::scene::adjacency::Adjacency;
-use crate::scene::evidence::{Evidence, Filled};
+use crate::scene::evidence::Filled;
 
-/// Fills every material that is not [`Filled::Observed`] and marks where it comes from. A triangle takes the mean of
-/// its neighbours one level nearer to what was observed; what hangs together with nothing observed takes the mean of
-/// all observed triangles. Without any observation nothing changes.
-pub fn fill(adjacency: &Adjacency, materials: &mut [[f32; Material::LEN]], evidence: &mut [Evidence]) {
-    let observed = |e: &[Evidence], t: usize| e[t].filled == Filled::Observed;
-    let mut level: Vec<TriangleId> =
-        (0..materials.len()).filter(|&t| observed(evidence, t)).map(|t| t as TriangleId).collect();
-    if level.is_empty() {
-        return;
+/// Where the material of every triangle comes from.
+#[derive(Debug)]
+pub struct Sources {
+    observed: Bits,
+    /// Those, and what was filled from neighbours.
+    known: Bits,
+    /// Whether anything was observed.
+    any: bool,
+}
+
+/// Bytes of memory that filling holds for this many triangles.
+pub fn bytes(triangles: u64) -> u64 {
+    4 * Bits::bytes(triangles)
+}
+
+/// Fills every material of a triangle that was not observed. It takes the mean of its neighbours one level nearer to what
+/// was observed; what hangs together with nothing observed takes the mean of all observed triangles. Without any observation
+/// nothing changes.
+pub fn fill(adjacency: &Adjacency, materials: &mut [[f32; Material::LEN]], observed: Bits) -> Sources {
+    let mut known = observed.clone();
+    let any = !observed.is_empty();
+    if !any {
+        return Sources { observed, known, any };
     }
-    let mean = mean_of(&level, materials);
-    let mut known: Vec<bool> = (0..materials.len()).map(|t| observed(evidence, t)).collect();
+    let mean = mean_of(observed.iter(), materials);
+    let mut level = observed.clone();
+    let mut next = Bits::new(materials.len());
     while !level.is_empty() {
-        let mut next: Vec<TriangleId> =
-            level.iter().flat_map(|&t| adjacency.neighbours(t)).copied().filter(|&t| !known[t as usize]).collect();
-        next.sort_unstable();
-        next.dedup();
+        next.clear();
+        let near = level.iter().flat_map(|t| adjacency.neighbours(t)).filter(|&&t| !known.contains(t));
+        near.for_each(|&t| next.insert(t));
         // All of a level are computed from the levels before it, then become known together.
-        let values: Vec<_> = next
-            .iter()
-            .map(|&t| {
-                let near = adjacency.neighbours(t).iter().copied().filter(|&n| known[n as usize]);
-                mean_of(&near.collect::<Vec<_>>(), materials)
-            })
-            .collect();
-        for (&t, value) in next.iter().zip(values) {
-            let t = t as usize;
-            (materials[t], evidence[t].filled, known[t]) = (value, Filled::Neighbours, true);
+        for t in next.iter() {
+            let near = adjacency.neighbours(t).iter().copied().filter(|&n| known.contains(n));
+            materials[t as usize] = mean_of(near, materials);
         }
-        level = next;
+        known.union(&next);
+        std::mem::swap(&mut level, &mut next);
     }
-    for t in (0..materials.len()).filter(|&t| !known[t]) {
-        (materials[t], evidence[t].filled) = (mean, Filled::SceneMean);
+    for t in (0..materials.len()).filter(|&t| !known.contains(t as TriangleId)) {
+        materials[t] = mean;
+    }
+    Sources { observed, known, any }
+}
+
+impl Sources {
+    /// Where a triangle's material comes from.
+    pub fn of(&self, t: TriangleId) -> Filled {
+        match (self.observed.contains(t), self.known.contains(t)) {
+            (true, _) => Filled::Observed,
+            (false, true) => Filled::Neighbours,
+            (false, false) if self.any => Filled::SceneMean,
+            (false, false) => Filled::Nothing,
+        }
     }
 }
 
-fn mean_of(triangles: &[TriangleId], materials: &[[f32; Material::LEN]]) -> [f32; Material::LEN] {
-    let mut sum = [0f64; Material::LEN];
-    for &t in triangles {
+fn mean_of(triangles: impl Iterator<Item = TriangleId>, materials: &[[f32; Material::LEN]]) -> [f32; Material::LEN] {
+    let (mut sum, mut count) = ([0f64; Material::LEN], 0u32);
+    for t in triangles {
         sum.iter_mut().zip(materials[t as usize]).for_each(|(s, v)| *s += f64::from(v));
+        count += 1;
     }
-    sum.map(|s| (s / triangles.len() as f64) as f32)
+    sum.map(|s| (s / f64::from(count)) as f32)
 }
 
 #[cfg(test)]
@@ -68,12 +93,13 @@ mod tests {
 
     fn run(n: u32, seen: &[(usize, f32)]) -> (Vec<f32>, Vec<Filled>) {
         let mut materials = vec![[f32::NAN; 7]; n as usize + 1];
-        let mut evidence = vec![Evidence { filled: Filled::Nothing, ..Evidence::default() }; n as usize + 1];
+        let mut observed = Bits::new(materials.len());
         for &(t, value) in seen {
-            (materials[t], evidence[t].filled) = ([value; 7], Filled::Observed);
+            materials[t] = [value; 7];
+            observed.insert(t as TriangleId);
         }
-        fill(&Adjacency::of(&strip(n)), &mut materials, &mut evidence);
-        (materials.iter().map(|m| m[0]).collect(), evidence.iter().map(|e| e.filled).collect())
+        let sources = fill(&Adjacency::of(&strip(n)), &mut materials, observed);
+        (materials.iter().map(|m| m[0]).collect(), (0..=n).map(|t| sources.of(t)).collect())
     }
 
     #[test]

@@ -1,17 +1,23 @@
 //! Merge: the materials of all shards become one row a triangle, and what was hardly seen is filled.
 
+use std::io::Write;
+use std::sync::Arc;
+
 use serde::Serialize;
 
 use super::Fault;
-use super::fill::fill;
+use super::fill::{self, fill};
 use super::shards::Shard;
-use crate::base::{Error, Result};
-use crate::codec::npy::NpyWriter;
+use crate::base::ids::TriangleId;
+use crate::base::{Array, Bits, Error, Result};
+use crate::codec::npy::{self, NpyWriter};
 use crate::disk::{FileEntry, Store};
 use crate::scene::Material;
 use crate::scene::adjacency::Adjacency;
 use crate::scene::evidence::{Evidence, Filled};
 use crate::scene::reflectance::FRONT_BINS;
+use crate::shard::format::SHARD;
+use crate::shard::rows::Row;
 
 /// Section `[merge]`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -35,22 +41,6 @@ impl Config {
     }
 }
 
-/// The material of every triangle and what stands behind it, in the mesh's order.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Materials {
-    /// Rows of `materials.npy`; NaN where there is none.
-    pub rows: Vec<[f32; Material::LEN]>,
-    /// Rows of `evidence.npy`.
-    pub evidence: Vec<Evidence>,
-}
-
-impl Materials {
-    /// How many triangles have a material from this source.
-    pub fn count(&self, filled: Filled) -> u64 {
-        self.evidence.iter().filter(|e| e.filled == filled).count() as u64
-    }
-}
-
 /// The unit of both tables.
 pub const TABLES: &str = "tables";
 /// Version of what this stage makes of the shards' rows; part of the tables' recipe.
@@ -60,66 +50,213 @@ pub const MATERIALS: &str = "materials.npy";
 /// The table of what stands behind them, [F,10].
 pub const EVIDENCE: &str = "evidence.npy";
 
-impl Materials {
-    /// Bytes of memory per triangle.
-    pub const BYTES_PER_TRIANGLE: u64 = (size_of::<[f32; Material::LEN]>() + size_of::<Evidence>()) as u64;
+/// Bytes of memory that merging holds for this many triangles, at most.
+pub fn bytes(triangles: u64) -> u64 {
+    // A shard's file is mapped, and its rows are held.
+    fill::bytes(triangles) + triangles.min(u64::from(SHARD)) * size_of::<Row>() as u64 + BUFFERS
+}
 
-    /// Puts every shard's rows in their place among those of `count` triangles; then, if it is known which of them touch,
-    /// fills what was hardly seen.
-    ///
-    /// # Errors
-    /// A shard whose rows cannot be read or are not those of this mesh.
-    pub fn merge(
-        store: &dyn Store,
-        shards: &[Shard],
-        count: usize,
-        adjacency: Option<&Adjacency>,
-    ) -> Result<Materials> {
+/// Bytes of what is written and not yet on its way.
+const BUFFERS: u64 = 1 << 20;
+
+/// Puts every shard's rows, the shards ascending, in their place among those of `count` triangles and writes both tables,
+/// whose names must be free; if it is known which triangles touch, what was hardly seen is filled. No table is held: what is
+/// to be filled lies in scratch of the store.
+///
+/// # Errors
+/// A shard whose rows cannot be read or are not those of this mesh; anything that cannot be written.
+pub fn merge(
+    store: &dyn Store,
+    shards: &[Shard],
+    count: usize,
+    adjacency: Option<&Adjacency>,
+) -> Result<Vec<FileEntry>> {
+    let all = All { store, shards, count };
+    let Some(adjacency) = adjacency else {
+        let materials = all.table(MATERIALS, |row, _| row)?;
+        return Ok(vec![materials, all.table(EVIDENCE, |_, evidence| evidence.to_array())?]);
+    };
+    let mut observed = Bits::new(count);
+    let mut scratch = store.scratch()?;
+    all.each(|t, row, evidence| {
+        if evidence.filled == Filled::Observed {
+            observed.insert(t);
+        }
+        scratch.write_all(bytemuck::bytes_of(&row)).map_err(Error::io("write", scratch.path()))
+    })?;
+    let mut scratch = scratch.work()?;
+    let rows: &mut [[f32; Material::LEN]] = scratch.values()?;
+    let sources = fill(adjacency, rows, observed);
+    let materials = table(store, MATERIALS, count, |put| rows.iter().try_for_each(|&row| put(row)))?;
+    drop(scratch);
+    let evidence = table(store, EVIDENCE, count, |put| {
+        all.each(|t, _, evidence| put(Evidence { filled: sources.of(t), ..evidence }.to_array()))
+    })?;
+    Ok(vec![materials, evidence])
+}
+
+/// The rows of all triangles.
+struct All<'a> {
+    store: &'a dyn Store,
+    shards: &'a [Shard],
+    count: usize,
+}
+
+impl All<'_> {
+    /// Tells of every triangle in order; of one that no shard has a row for, that there is nothing.
+    fn each(&self, mut tell: impl FnMut(TriangleId, [f32; Material::LEN], Evidence) -> Result<()>) -> Result<()> {
         let nothing = Evidence { filled: Filled::Nothing, ..Evidence::default() };
-        let mut all = Materials { rows: vec![[f32::NAN; Material::LEN]; count], evidence: vec![nothing; count] };
-        for shard in shards {
-            for (triangle, material, evidence) in shard.rows(store)?.rows {
-                let at = triangle as usize;
-                if at >= count {
-                    return Err(Error::invalid(format!("shard {} goes past the mesh's end", shard.number)));
+        let mut next = 0;
+        for shard in self.shards {
+            for (triangle, row, evidence) in shard.rows(self.store)?.rows {
+                if triangle < next || triangle as usize >= self.count {
+                    let number = shard.number;
+                    return Err(Error::invalid(format!("shard {number} is out of order, or goes past the mesh's end")));
                 }
-                (all.rows[at], all.evidence[at]) = (material, evidence);
+                (next..triangle).try_for_each(|t| tell(t, [f32::NAN; Material::LEN], nothing))?;
+                tell(triangle, row, evidence)?;
+                next = triangle + 1;
             }
         }
-        if let Some(adjacency) = adjacency {
-            fill(adjacency, &mut all.rows, &mut all.evidence);
-        }
-        Ok(all)
+        (next..self.count as TriangleId).try_for_each(|t| tell(t, [f32::NAN; Material::LEN], nothing))
     }
 
-    /// Writes both tables. Their names must be free.
-    pub fn write(&self, store: &dyn Store) -> Result<Vec<FileEntry>> {
-        let materials = table(store, MATERIALS, self.rows.iter().copied())?;
-        Ok(vec![materials, table(store, EVIDENCE, self.evidence.iter().map(|e| e.to_array()))?])
+    /// Writes a table of what `row` makes of each triangle.
+    fn table<const N: usize>(
+        &self,
+        name: &str,
+        row: impl Fn([f32; Material::LEN], Evidence) -> [f32; N],
+    ) -> Result<FileEntry> {
+        table(self.store, name, self.count, |put| self.each(|_, material, evidence| put(row(material, evidence))))
     }
 }
 
+/// Writes a table of `count` rows, which `rows` puts into it.
 fn table<const N: usize>(
     store: &dyn Store,
     name: &str,
-    rows: impl ExactSizeIterator<Item = [f32; N]>,
+    count: usize,
+    rows: impl FnOnce(&mut dyn FnMut([f32; N]) -> Result<()>) -> Result<()>,
 ) -> Result<FileEntry> {
-    let draft = store.create(name)?;
-    let write = || {
-        let mut out = NpyWriter::new(draft, &[rows.len(), N])?;
-        rows.into_iter().try_for_each(|row| out.write(&row)).and_then(|()| out.finish())
-    };
-    write().map_err(Error::io("write", store.path(name)))?.commit()
+    let failed = |why| Error::io("write", store.path(name))(why);
+    let mut out = NpyWriter::new(store.create(name)?, &[count, N]).map_err(failed)?;
+    rows(&mut |row| out.write(&row).map_err(failed))?;
+    out.finish().map_err(failed)?.commit()
+}
+
+/// The material of every triangle and what stands behind it, in the mesh's order: the tables of a run, mapped.
+#[derive(Debug)]
+pub struct Materials {
+    /// Rows of `materials.npy`; NaN where there is none.
+    pub rows: Array<[f32; Material::LEN]>,
+    /// Rows of `evidence.npy`.
+    pub evidence: Array<[f32; Evidence::LEN]>,
+}
+
+impl Materials {
+    /// Opens the tables of a store.
+    ///
+    /// # Errors
+    /// No such tables, or of different lengths.
+    pub fn open(store: &dyn Store) -> Result<Materials> {
+        let rows = npy::view(Arc::new(store.open(MATERIALS)?), &store.path(MATERIALS))?;
+        let evidence: Array<[f32; Evidence::LEN]> = npy::view(Arc::new(store.open(EVIDENCE)?), &store.path(EVIDENCE))?;
+        if rows.len() != evidence.len() {
+            let found =
+                format!("{} rows, and {MATERIALS} has {}: they belong to different runs", evidence.len(), rows.len());
+            return Err(Error::malformed(store.path(EVIDENCE), found));
+        }
+        Ok(Materials { rows, evidence })
+    }
+
+    /// How many triangles have a material from each source, in the order of [`Filled`].
+    pub fn counts(&self) -> [u64; 4] {
+        let mut counts = [0; 4];
+        self.evidence.iter().for_each(|row| counts[Evidence::from_array(*row).filled as usize] += 1);
+        counts
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::disk::{DirStore, MemStore, Recipe};
+    use crate::scene::Mesh;
+    use crate::shard::ShardRows;
+    use glam::DVec3;
 
     #[test]
     fn no_map_fills_more_than_its_front() {
         for (min_bins, faults) in [(0, 1), (1, 0), (3600, 0), (3601, 1)] {
             assert_eq!(Config { min_bins, ..Config::default() }.check().len(), faults, "{min_bins}");
         }
+    }
+
+    /// Shards of a strip of triangles, each touching the next: of triangle 2 too little was seen, of most nothing.
+    fn strip(store: &dyn Store) -> (Vec<Shard>, Mesh) {
+        let count = 2 * SHARD + 9;
+        let corners: Vec<DVec3> = (0..count + 2).map(|i| DVec3::new(f64::from(i / 2), f64::from(i % 2), 0.0)).collect();
+        let mesh = Mesh::new(&corners, (0..count).map(|i| [i, i + 1, i + 2]).collect()).unwrap();
+        let row = |t: u32, value: f32, filled| {
+            (t, [value; 7], Evidence { bins: 1.0 + t as f32, filled, ..Evidence::default() })
+        };
+        let own = |number: u32, rows: Vec<Row>| {
+            let shard = Shard { number, recipe: Recipe::new(format!("shard {number}")) };
+            shard.write(store, &ShardRows { shard: number, rows }).unwrap();
+            shard
+        };
+        let first = vec![row(0, 0.5, Filled::Observed), row(2, f32::NAN, Filled::Nothing)];
+        (vec![own(0, first), own(2, vec![row(2 * SHARD + 8, 1.0, Filled::Observed)])], mesh)
+    }
+
+    fn merged(store: &dyn Store, (shards, mesh): &(Vec<Shard>, Mesh), fill: bool) -> Materials {
+        let adjacency = fill.then(|| Adjacency::of(mesh));
+        let files = merge(store, shards, mesh.len(), adjacency.as_ref()).unwrap();
+        assert!(files.iter().all(|file| file.verify(store).is_ok()));
+        Materials::open(store).unwrap()
+    }
+
+    #[test]
+    fn rows_come_to_their_places_and_the_rest_is_filled_or_nan() {
+        let dir = tempfile::tempdir().unwrap();
+        let stores: [&dyn Store; 2] = [&MemStore::new(), &DirStore::new(dir.path())];
+        for store in stores {
+            let strip = strip(store);
+            let plain = merged(store, &strip, false);
+            assert_eq!(plain.counts(), [2, 0, 0, 2 * u64::from(SHARD) + 7]);
+            [MATERIALS, EVIDENCE].iter().for_each(|name| store.remove(name).unwrap());
+            let filled = merged(store, &strip, true);
+            assert_eq!(filled.counts(), [2, 2 * u64::from(SHARD) + 7, 0, 0]);
+            let end = 2 * SHARD as usize + 8;
+            for t in 0..=end {
+                let seen = [0, 2, end].contains(&t);
+                assert_eq!(filled.evidence[t][2], if seen { 1.0 + t as f32 } else { 0.0 }, "{t}");
+                assert_eq!(plain.evidence[t][..9], filled.evidence[t][..9], "{t}");
+                assert_eq!(plain.rows[t][0].is_nan(), ![0, end].contains(&t), "{t}");
+                // Halfway both are as near.
+                let near = if t < end / 2 {
+                    0.5
+                } else if t > end / 2 {
+                    1.0
+                } else {
+                    0.75
+                };
+                assert_eq!(filled.rows[t], [near; 7], "{t}");
+            }
+        }
+        // Nothing but tables and shards is left.
+        let store = DirStore::new(dir.path());
+        assert_eq!((store.list("").unwrap().len(), store.sweep().unwrap().len()), (4, 0));
+    }
+
+    #[test]
+    fn shards_out_of_order_or_past_the_end_are_refused() {
+        let store = MemStore::new();
+        let (mut shards, mesh) = strip(&store);
+        let refusal = |shards: &[Shard], count| merge(&store, shards, count, None).unwrap_err().to_string();
+        assert!(refusal(&shards, mesh.len() - 1).contains("past the mesh's end"));
+        shards.reverse();
+        assert!(refusal(&shards, mesh.len()).contains("out of order"));
+        assert!(store.size(MATERIALS).unwrap().is_none());
     }
 }

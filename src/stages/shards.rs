@@ -29,6 +29,11 @@ impl Shard {
         format!("{SHARDS}{}.rows", self.recipe.unit())
     }
 
+    /// Writes its rows, which are to be kept.
+    pub fn write(&self, store: &dyn Store, rows: &ShardRows) -> Result<FileEntry> {
+        rows.write(store, &self.file())
+    }
+
     /// Reads its rows, which a run has kept.
     pub fn rows(&self, store: &dyn Store) -> Result<ShardRows> {
         ShardRows::read(store, &self.file(), self.number)
@@ -103,7 +108,7 @@ impl Fold for Keep<'_> {
         let shard = self.shards.get(self.taken).filter(|shard| shard.number == rows.shard);
         let shard = shard.ok_or_else(|| Error::invalid(format!("shard {} came out of its turn", rows.shard)))?;
         self.taken += 1;
-        let file = rows.write(&*self.store, &shard.file())?;
+        let file = shard.write(&*self.store, &rows)?;
         meter.count_bytes(file.bytes);
         self.waiting.push((shard.recipe.clone(), vec![file]));
         if self.waiting.len() >= MOST || self.committed.elapsed() >= PATIENCE { self.commit() } else { Ok(()) }

@@ -59,8 +59,45 @@ impl Container {
     }
 
     /// Writes one view's bytes and the padding after them.
-    pub fn padded(&self, out: &mut (impl Write + ?Sized), bytes: &[u8]) -> io::Result<()> {
-        out.write_all(bytes)?;
-        out.write_all(&[0; 3][..bytes.len().next_multiple_of(4) - bytes.len()])
+    ///
+    /// # Errors
+    /// `write` writes as many bytes as the view has, or it is an error.
+    pub fn view<W: Write + ?Sized>(
+        &self,
+        out: &mut W,
+        length: u64,
+        write: impl FnOnce(&mut Counted<&mut W>) -> io::Result<()>,
+    ) -> io::Result<()> {
+        let mut counted = Counted { out: &mut *out, bytes: 0 };
+        write(&mut counted)?;
+        if counted.bytes != length {
+            return Err(io::Error::other(format!("{} bytes in a view of {length}", counted.bytes)));
+        }
+        out.write_all(&[0; 3][..(length.next_multiple_of(4) - length) as usize])
+    }
+}
+
+/// Counts what goes through it.
+pub struct Counted<W> {
+    out: W,
+    bytes: u64,
+}
+
+/// How many bytes `write` writes.
+pub fn length(write: impl FnOnce(&mut Counted<io::Sink>) -> io::Result<()>) -> io::Result<u64> {
+    let mut counted = Counted { out: io::sink(), bytes: 0 };
+    write(&mut counted)?;
+    Ok(counted.bytes)
+}
+
+impl<W: Write> Write for Counted<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let written = self.out.write(bytes)?;
+        self.bytes += written as u64;
+        Ok(written)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.out.flush()
     }
 }

@@ -28,7 +28,7 @@ use serde_json::{Value, json};
 use crate::base::{Error, Result};
 use crate::scene::{Material, Mesh};
 use container::{Container, View};
-use texels::Texels;
+use texels::{Image, Texels};
 
 /// `target` of a view with vertex attributes.
 const ARRAY_BUFFER: u32 = 34_962;
@@ -36,7 +36,7 @@ const FLOAT: u32 = 5126;
 const NEAREST: u32 = 9728;
 const CLAMP_TO_EDGE: u32 = 33_071;
 
-/// Writes a mesh with a material on every triangle. `up` is any vector but 0, `path` is what errors name; `out` had better
+/// Writes a mesh with a material on every triangle; rows of texels are all that is held. `up` is any vector but 0, `path` is what errors name; `out` had better
 /// be buffered.
 ///
 /// # Errors
@@ -47,12 +47,14 @@ pub fn write(out: &mut impl Write, path: &Path, mesh: &Mesh, rows: &[[f32; Mater
         Error::invalid(format!("{}: {count} triangles do not fit into one GLB: export PLY instead", path.display()))
     };
     let texels = Texels::new(mesh.len()).ok_or_else(too_many)?;
-    let images = [texels.base_color(rows), texels.roughness(rows), texels.specular(rows)];
-    let images: Vec<Vec<u8>> =
-        images.into_iter().collect::<Result<_, _>>().map_err(|why| Error::io("write", path)(why))?;
-
+    let failed = |why| Error::io("write", path)(why);
+    // Lengths stand before the images, and encoding them twice is cheaper than keeping them.
+    let mut images = [0; 3];
+    for (length, image) in images.iter_mut().zip(Image::ALL) {
+        *length = container::length(|to| texels.write(image, rows, to)).map_err(failed)?;
+    }
     let corners = 3 * mesh.len() as u64;
-    let lengths = [corners * 12, corners * 8].into_iter().chain(images.iter().map(|i| i.len() as u64));
+    let lengths = [corners * 12, corners * 8].into_iter().chain(images);
     let container = Container::new(lengths, |views| document(mesh, up, views)).ok_or_else(too_many)?;
     let mut all = || {
         container.start(out)?;
@@ -63,9 +65,10 @@ pub fn write(out: &mut impl Write, path: &Path, mesh: &Mesh, rows: &[[f32; Mater
             let uv = texels.centre(t).map(f32::to_le_bytes);
             (0..3).try_for_each(|_| out.write_all(uv.as_flattened()))?;
         }
-        images.iter().try_for_each(|image| container.padded(out, image))
+        let mut views = Image::ALL.into_iter().zip(images);
+        views.try_for_each(|(image, length)| container.view(out, length, |to| texels.write(image, rows, to)))
     };
-    all().map_err(Error::io("write", path))
+    all().map_err(failed)
 }
 
 /// The JSON of a file whose views are positions, texture coordinates and the three images.

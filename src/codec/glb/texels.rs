@@ -1,9 +1,8 @@
 //! One texel a triangle, row by row from the top left, in images whose sides are powers of two.
 
-use std::io;
+use std::io::{self, Write};
 
-use image::codecs::png::PngEncoder;
-use image::{ExtendedColorType, ImageEncoder};
+use png::{BitDepth, ColorType, Compression, EncodingError, Filter};
 
 use crate::base::ids::TriangleId;
 use crate::codec::image::to_srgb8;
@@ -15,11 +14,50 @@ const LONGEST: u64 = 16_384;
 /// What a triangle without a material looks like: grey and matte.
 const NOTHING: Material = Material { kd: [0.216; 3], ks: [0.0; 3], r: 1.0 };
 
+/// Bytes of a PNG's chunks of pixels.
+const CHUNK: usize = 1 << 16;
+
 /// The layout of the images.
 #[derive(Debug, Clone, Copy)]
 pub struct Texels {
     width: u32,
     height: u32,
+}
+
+/// One of the images.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Image {
+    /// The diffuse colours: RGB, sRGB.
+    BaseColor,
+    /// The roughnesses: G roughness, B metallic, which is 0.
+    Roughness,
+    /// The specular scales: A the largest, RGB its share in sRGB.
+    Specular,
+}
+
+impl Image {
+    /// All of them, in the order of the file's views.
+    pub const ALL: [Image; 3] = [Image::BaseColor, Image::Roughness, Image::Specular];
+
+    fn color(self) -> ColorType {
+        if self == Image::Specular { ColorType::Rgba } else { ColorType::Rgb }
+    }
+
+    /// A texel; where there are three channels, its fourth byte is none.
+    fn texel(self, m: Material) -> [u8; 4] {
+        match self {
+            Image::BaseColor => {
+                let [r, g, b] = m.kd.map(to_srgb8);
+                [r, g, b, 0]
+            }
+            Image::Roughness => [0, linear8(m.r), 0, 0],
+            Image::Specular => {
+                let most = m.ks.into_iter().fold(0.0, f32::max);
+                let [r, g, b] = m.ks.map(|v| if most > 0.0 { to_srgb8(v / most) } else { 255 });
+                [r, g, b, linear8(most)]
+            }
+        }
+    }
 }
 
 impl Texels {
@@ -37,39 +75,39 @@ impl Texels {
         [along(t % self.width, self.width) as f32, along(t / self.width, self.height) as f32]
     }
 
-    /// The PNG of the diffuse colours: RGB, sRGB.
-    pub fn base_color(self, rows: &[[f32; Material::LEN]]) -> io::Result<Vec<u8>> {
-        self.png(rows, ExtendedColorType::Rgb8, |m| m.kd.map(to_srgb8))
-    }
-
-    /// The PNG of the roughnesses: G roughness, B metallic, which is 0.
-    pub fn roughness(self, rows: &[[f32; Material::LEN]]) -> io::Result<Vec<u8>> {
-        self.png(rows, ExtendedColorType::Rgb8, |m| [0, linear8(m.r), 0])
-    }
-
-    /// The PNG of the specular scales: A the largest, RGB its share in sRGB.
-    pub fn specular(self, rows: &[[f32; Material::LEN]]) -> io::Result<Vec<u8>> {
-        self.png(rows, ExtendedColorType::Rgba8, |m| {
-            let most = m.ks.into_iter().fold(0.0, f32::max);
-            let [r, g, b] = m.ks.map(|v| if most > 0.0 { to_srgb8(v / most) } else { 255 });
-            [r, g, b, linear8(most)]
-        })
-    }
-
-    fn png<const N: usize>(
-        self,
-        rows: &[[f32; Material::LEN]],
-        color: ExtendedColorType,
-        texel: impl Fn(Material) -> [u8; N],
-    ) -> io::Result<Vec<u8>> {
-        let mut pixels = vec![[0; N]; self.width as usize * self.height as usize];
-        for (pixel, row) in pixels.iter_mut().zip(rows) {
-            let known = row.iter().all(|v| v.is_finite());
-            *pixel = texel(if known { Material::from(*row) } else { NOTHING });
+    /// Writes an image as PNG, a row at a time: no more than that is held.
+    pub fn write(self, image: Image, rows: &[[f32; Material::LEN]], out: impl Write) -> io::Result<()> {
+        let color = image.color();
+        let mut encoder = png::Encoder::new(out, self.width, self.height);
+        encoder.set_color(color);
+        encoder.set_depth(BitDepth::Eight);
+        encoder.set_compression(Compression::Fast);
+        encoder.set_filter(Filter::Adaptive);
+        let mut writer = encoder.write_header().map_err(plain)?;
+        let mut stream = writer.stream_writer_with_size(CHUNK).map_err(plain)?;
+        let width = self.width as usize;
+        let mut line = Vec::with_capacity(width * color.samples());
+        for y in 0..self.height as usize {
+            line.clear();
+            for x in 0..width {
+                let texel = rows.get(y * width + x).map_or([0; 4], |row| {
+                    let known = row.iter().all(|v| v.is_finite());
+                    image.texel(if known { Material::from(*row) } else { NOTHING })
+                });
+                line.extend_from_slice(&texel[..color.samples()]);
+            }
+            stream.write_all(&line)?;
         }
-        let mut png = Vec::new();
-        let encoded = PngEncoder::new(&mut png).write_image(pixels.as_flattened(), self.width, self.height, color);
-        encoded.map(|()| png).map_err(io::Error::other)
+        stream.finish().map_err(plain)?;
+        writer.finish().map_err(plain)
+    }
+}
+
+/// The error of the output itself, of which more is known than its words.
+fn plain(why: EncodingError) -> io::Error {
+    match why {
+        EncodingError::IoError(why) => why,
+        other => io::Error::other(other),
     }
 }
 

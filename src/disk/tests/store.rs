@@ -137,3 +137,31 @@ fn links_are_not_followed_when_swept() {
     assert!(store.sweep().unwrap().is_empty());
     assert!(outside.path().join("x.gonio-tmp").exists());
 }
+
+#[test]
+fn scratch_is_written_then_changed_and_leaves_nothing() {
+    on_each_store(|store| {
+        let mut scratch = store.scratch().unwrap();
+        (0..100_000u32).for_each(|n| scratch.write_all(&n.to_le_bytes()).unwrap());
+        let mut working = scratch.work().unwrap();
+        let values = working.values::<u32>().unwrap();
+        assert!(values.iter().copied().eq(0..100_000));
+        values[7] = 9;
+        assert_eq!((working[28], working[32], working.len()), (9, 8, 400_000));
+        assert!(working.values::<[u32; 3]>().is_err(), "no whole number of them");
+        assert!(store.list("").unwrap().is_empty());
+        drop(working);
+        assert!(store.sweep().unwrap().is_empty());
+    });
+}
+
+#[test]
+fn scratch_of_a_killed_process_is_swept() {
+    let folder = tempfile::tempdir().unwrap();
+    let store = DirStore::new(folder.path());
+    let mut scratch = store.scratch().unwrap();
+    scratch.write_all(&[1; 10]).unwrap();
+    std::mem::forget(scratch.work().unwrap());
+    assert_eq!(store.sweep().unwrap().len(), 1);
+    assert!(fs::read_dir(folder.path()).unwrap().next().is_none());
+}

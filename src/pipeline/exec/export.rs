@@ -5,15 +5,13 @@ use std::sync::Arc;
 
 use super::{Run, open};
 use crate::base::{Error, Result};
-use crate::codec::npy;
 use crate::disk::{DirStore, Lock, Manifest, Recipe, Store};
 use crate::flow::StopSignal;
 use crate::pipeline::scene::Loaded;
 use crate::pipeline::{Pipeline, Progress, resume};
 use crate::scene::Mesh;
-use crate::scene::evidence::Evidence;
 use crate::stages::export::{EXPORT, Format};
-use crate::stages::merge::{EVIDENCE, MATERIALS, Materials, TABLES};
+use crate::stages::merge::{Materials, TABLES};
 
 impl Run<'_> {
     /// Writes the exports that the manifest lacks, each a unit.
@@ -51,7 +49,7 @@ pub fn finished(pipeline: &Pipeline) -> Result<(Loaded, Materials, Recipe)> {
     let manifest = Manifest::read(Arc::new(store.clone()))?;
     let tables = manifest.of_kind(TABLES).map(|(_, unit)| unit.recipe.clone()).next();
     let tables = tables.ok_or_else(|| again(&format!("{} has no materials yet", pipeline.run.work.display())))?;
-    let materials = read_materials(&store)?;
+    let materials = Materials::open(&store)?;
     let loaded = Loaded::read(pipeline)?;
     if tables.part("scene.mesh") != Some(&loaded.mesh_key.to_string()) || loaded.mesh.len() != materials.rows.len() {
         let mesh = pipeline.scene.mesh.display();
@@ -73,17 +71,4 @@ pub fn export(pipeline: &Pipeline) -> Result<Vec<PathBuf>> {
     let mut run = Run::new(store, pipeline, &StopSignal::new(), &progress);
     run.export(&tables, &loaded.mesh, &materials, &mut manifest)?;
     Ok(run.report.outputs)
-}
-
-/// Reads the tables of a finished run.
-pub(super) fn read_materials(store: &dyn Store) -> Result<Materials> {
-    let rows = npy::rows_of(&store.open(MATERIALS)?, &store.path(MATERIALS))?;
-    let evidence = npy::rows_of(&store.open(EVIDENCE)?, &store.path(EVIDENCE))?;
-    let evidence: Vec<Evidence> = evidence.into_iter().map(Evidence::from_array).collect();
-    if rows.len() != evidence.len() {
-        let found =
-            format!("{} rows, and {MATERIALS} has {}: they belong to different runs", evidence.len(), rows.len());
-        return Err(Error::malformed(store.path(EVIDENCE), found));
-    }
-    Ok(Materials { rows, evidence })
 }

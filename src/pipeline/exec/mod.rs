@@ -161,14 +161,16 @@ impl<'a> Run<'a> {
             self.phase("build", vec![], cache)?;
         }
         self.map(&loaded, &groups, manifest)?;
-        let (materials, _held, tables) = self.reduce(&loaded, &groups, &*estimator, manifest)?;
+        let (materials, tables) = self.reduce(&loaded, &groups, &*estimator, manifest)?;
         self.export(&tables, &loaded.mesh, &materials, manifest)?;
+        let counts = materials.counts();
+        let of = |filled: Filled| counts[filled as usize];
         self.report.triangles = Triangles {
             total: loaded.mesh.len() as u64,
             degenerate: loaded.degenerate(),
-            seen: materials.count(Filled::Observed),
-            filled: materials.count(Filled::Neighbours) + materials.count(Filled::SceneMean),
-            empty: materials.count(Filled::Nothing),
+            seen: of(Filled::Observed),
+            filled: of(Filled::Neighbours) + of(Filled::SceneMean),
+            empty: of(Filled::Nothing),
         };
         Ok(())
     }

@@ -2,11 +2,10 @@
 
 use std::sync::Arc;
 
-use super::export::read_materials;
 use super::{Run, segments};
 use crate::base::Result;
 use crate::disk::{Manifest, Recipe};
-use crate::flow::{Flow, Reservation};
+use crate::flow::Flow;
 use crate::model::Estimator;
 use crate::pipeline::plan::QUEUE;
 use crate::pipeline::report::Shards as ShardCounts;
@@ -16,19 +15,19 @@ use crate::pipeline::{resume, shards};
 use crate::shard::merge_need;
 use crate::stages::gather::Group;
 use crate::stages::infer::Infer;
-use crate::stages::merge::{Materials, TABLES};
+use crate::stages::merge::{self, Materials, TABLES};
 use crate::stages::shards::{Keep, Merged, SHARD, Shard};
 
 impl Run<'_> {
-    /// The reduce side: infers the shards that the manifest lacks, and gives the materials of all triangles, read back if
-    /// they are there already, with the memory that they are held in and the recipe of their tables.
+    /// The reduce side: infers the shards that the manifest lacks, and gives the materials of all triangles, mapped, and the
+    /// recipe of their tables.
     pub(super) fn reduce(
         &mut self,
         loaded: &Loaded,
         groups: &[Group],
         estimator: &dyn Estimator,
         manifest: &mut Manifest,
-    ) -> Result<(Materials, Reservation, Recipe)> {
+    ) -> Result<(Materials, Recipe)> {
         let triangles = loaded.mesh.len();
         let all = shards::of_groups(self.pipeline, estimator, &*self.store, manifest, groups, triangles)?;
         let tables = shards::tables(self.pipeline, loaded.mesh_key, &all);
@@ -41,18 +40,17 @@ impl Run<'_> {
         if !to_do.is_empty() {
             self.infer(&to_do, groups, estimator, manifest)?;
         }
-        let held = self.budget.reserve("materials", Materials::BYTES_PER_TRIANGLE * loaded.mesh.len() as u64)?;
         if let Some(files) = manifest.files(&tables.unit()) {
             files.iter().try_for_each(|file| file.verify(&*self.store).map(drop))?;
-            return Ok((read_materials(&*self.store)?, held, tables));
+        } else {
+            let _held = self.budget.reserve("merge", merge::bytes(triangles as u64))?;
+            self.phase("merge", vec![], |run| {
+                let adjacency = run.pipeline.merge.fill.then(|| loaded.adjacency());
+                let files = merge::merge(&*run.store, &all, triangles, adjacency.as_ref())?;
+                manifest.commit([(tables.clone(), files)])
+            })?;
         }
-        let materials = self.phase("merge", vec![], |run| {
-            let adjacency = run.pipeline.merge.fill.then(|| loaded.adjacency());
-            let materials = Materials::merge(&*run.store, &all, loaded.mesh.len(), adjacency.as_ref())?;
-            manifest.commit([(tables.clone(), materials.write(&*run.store)?)])?;
-            Ok(materials)
-        })?;
-        Ok((materials, held, tables))
+        Ok((Materials::open(&*self.store)?, tables))
     }
 
     fn infer(
