@@ -5,7 +5,7 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use super::faces::fan;
+use super::faces::{MOST, fan, too_many};
 use super::header::{Element, Header, Kind};
 use crate::base::{Error, Result};
 use crate::scene::survey::Polygons;
@@ -35,6 +35,9 @@ pub(super) fn read(header: &Header, reader: impl BufRead, path: &Path, to: &mut 
                     (Kind::Scalar(_), None) => words.next(element, row)?,
                     (Kind::List { .. }, _) => {
                         let items = words.integer(element, row)?;
+                        if indices == Some(at) && items > i128::from(MOST) {
+                            return Err(Error::malformed(path, too_many(row, items)));
+                        }
                         corners.clear();
                         for _ in 0..items {
                             if indices == Some(at) {

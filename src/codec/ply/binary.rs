@@ -5,14 +5,15 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use super::faces::fan;
+use super::faces::{MOST, fan, too_many};
 use super::header::{Element, Header, Kind, Property};
 use super::scalar::{Endian, Scalar};
 use crate::base::{Error, Result};
 use crate::scene::survey::Polygons;
 
-/// Rows of one length that are decoded at a time.
+/// Rows of one length that are decoded at a time, or as many as fit into these bytes where that is fewer.
 const ROWS: u64 = 1 << 14;
+const CHUNK: u64 = 1 << 22;
 
 /// Tells of all vertices and faces.
 pub(super) fn read(
@@ -61,7 +62,7 @@ fn read_vertices<R: Read>(
     let mut row = 0;
     let mut vertices = Vec::new();
     while row < element.count {
-        let rows = (element.count - row).min(ROWS);
+        let rows = (element.count - row).min(ROWS).min((CHUNK / stride as u64).max(1));
         let chunk = bytes.take(rows as usize * stride, element, row)?;
         vertices.clear();
         vertices.resize(rows as usize, DVec3::NAN);
@@ -119,6 +120,10 @@ fn read_faces<R: Read>(
     for face in 0..element.count {
         before.iter().try_for_each(|p| bytes.skip_property(p, endian, element, face))?;
         let list = bytes.list_bytes(length, item, endian, element, face)?;
+        let items = list / item.size();
+        if items as u64 > MOST {
+            return Err(Error::malformed(bytes.path, too_many(face, items as i128)));
+        }
         corners.clear();
         let items = bytes.take(list, element, face)?.chunks_exact(item.size());
         item.integers(endian, items, |index| corners.push(index));

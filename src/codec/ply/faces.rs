@@ -2,6 +2,10 @@
 
 use crate::scene::survey::Polygons;
 
+/// The most corners of a face. No polygon of a mesh has a thousandth of them, and a list that claims more must not be
+/// gathered.
+pub(super) const MOST: u64 = 1 << 20;
+
 /// Tells of the face at position `face` of a file with `vertices` vertices, as a fan around its first corner.
 ///
 /// # Errors
@@ -23,6 +27,11 @@ pub(super) fn fan(vertices: u64, face: u64, corners: &[i128], to: &mut dyn Polyg
         b = c;
     }
     Ok(())
+}
+
+/// The refusal of a face that claims too many.
+pub(super) fn too_many(face: u64, corners: i128) -> String {
+    format!("face {face} has {corners} corners; {MOST} are the most")
 }
 
 /// The refusal of a face that is no polygon.

@@ -198,3 +198,20 @@ fn faults_name_the_element() {
         assert!(found.contains(words), "{to}: {found}");
     }
 }
+
+#[test]
+fn a_face_of_a_million_corners_is_not_gathered() {
+    let head = |format: &str| {
+        format!(
+            "ply\nformat {format} 1.0\nelement vertex 3\nproperty uchar x\nproperty uchar y\nproperty uchar z\n\
+                 element face 1\nproperty list uint uchar vertex_indices\nend_header\n"
+        )
+    };
+    let many = (1u32 << 20) + 1;
+    let text = format!("{}{}{many} {}", head("ascii"), "0 ".repeat(9), "1 ".repeat(many as usize));
+    let mut binary = [head("binary_little_endian").as_bytes(), &[0; 9], &many.to_le_bytes()].concat();
+    binary.resize(binary.len() + many as usize, 1);
+    for file in [text.as_bytes(), &binary] {
+        assert!(refusal(file).contains("face 0 has 1048577 corners; 1048576 are the most"));
+    }
+}
