@@ -9,14 +9,7 @@ use std::path::{Path, PathBuf};
 const FLOORS: [&[(&str, &[&str])]; 6] = [
     &[("base", &[])],
     &[("scene", &[]), ("trace", &["scene"]), ("disk", &[]), ("flow", &[])],
-    &[
-        ("codec", &[]),
-        ("cache", &[]),
-        ("shard", &[]),
-        ("model", &[]),
-        ("render", &[]),
-        ("synth", &["render", "codec", "cache"]),
-    ],
+    &[("codec", &[]), ("cache", &[]), ("shard", &[]), ("model", &[]), ("render", &[]), ("synth", &["render", "codec"])],
     &[("stages", &[])],
     &[("pipeline", &[])],
     &[("cli", &[])],

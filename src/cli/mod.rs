@@ -99,9 +99,10 @@ fn command(command: Command) -> Result<Ending, Failure> {
             Ok(Ending::Done)
         }
         Command::Plan { pipeline } => {
-            let (plan, estimator) = pipeline::plan(&load(&pipeline)?)?;
-            out(&plan::table(&plan, &estimator));
+            let (plan, room, estimator) = pipeline::plan(&load(&pipeline)?)?;
+            out(&plan::table(&plan, &room, &estimator));
             plan.fits()?;
+            room.enough()?;
             Ok(Ending::Done)
         }
         Command::Explain { pipeline } => {

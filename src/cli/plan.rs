@@ -3,20 +3,23 @@
 use super::progress::{clock, short};
 use super::report::Lines;
 use crate::base::units::Bytes;
-use crate::pipeline::Plan;
+use crate::pipeline::{Plan, Room};
 
 /// The plan as lines of text.
-pub fn table(plan: &Plan, estimator: &str) -> String {
+pub fn table(plan: &Plan, room: &Room, estimator: &str) -> String {
     let mut lines = Lines::default();
     let i = &plan.inputs;
     lines.row("frames", format!("{}, {} pixels", i.frames, short(i.pixels as f64)));
     lines.row("triangles", i.triangles.to_string());
     lines.row("estimator", format!("{estimator}, {:.3} ms a map", 1e3 * i.seconds_per_map));
+    if let Some(trial) = i.trial {
+        lines.row("casting", format!("{:.3} us a pixel and thread, tried here", 1e6 * trial.seconds_per_pixel));
+    }
     lines.row("threads", i.threads.to_string());
     lines.add(format!("{:15}{:>9}{:>8}{:>12}{:>9}", "", "workers", "queue", "memory", "time"));
     for phase in &plan.phases {
         let peak = Bytes(phase.peak).to_string();
-        lines.add(format!("{:32}{peak:>12}{:>9}", phase.name, clock(phase.seconds)));
+        lines.add(format!("{:32}{peak:>12}{:>9}", phase.name, time(phase.seconds)));
         if phase.held > 0 && !phase.stages.is_empty() {
             lines.add(format!("  {:30}{:>12}", "held all along", Bytes(phase.held).to_string()));
         }
@@ -36,9 +39,44 @@ pub fn table(plan: &Plan, estimator: &str) -> String {
     if plan.batch < asked {
         lines.row("batch", format!("{} of {asked} maps: memory", plan.batch));
     }
+    let (too_large, needs) = i.too_large;
+    if too_large > 0 {
+        lines.row(
+            "skipped",
+            format!(
+                "{too_large} of {} frames: reading one takes up to {}, too much for {}",
+                i.frames,
+                Bytes(needs),
+                plan.memory
+            ),
+        );
+    }
     let (peak, phase) = plan.peak();
     lines.row("memory", format!("{} at most, in {phase}; the limit is {}", Bytes(peak), plan.memory));
-    lines.row("disk", format!("about {}", Bytes(plan.disk)));
-    lines.row("time", format!("about {}", clock(plan.phases.iter().map(|p| p.seconds).sum())));
+    lines.row("disk", disk(plan, room));
+    lines.row(
+        "time",
+        match plan.seconds() {
+            Some(seconds) => format!("about {}", clock(seconds)),
+            None => "unknown: no frame could be tried".to_owned(),
+        },
+    );
     lines.finish()
+}
+
+fn time(seconds: Option<f64>) -> String {
+    seconds.map_or_else(|| "unknown".to_owned(), clock)
+}
+
+/// What is written, what of it is still to be, and the room for it.
+fn disk(plan: &Plan, room: &Room) -> String {
+    let (total, folder) = (plan.disk.total(), room.folder.display());
+    let mut text = format!("about {}", Bytes(total));
+    if room.needs < total {
+        text += &format!(", of which {} are still to be written", Bytes(room.needs));
+    }
+    match room.free {
+        Some(free) => text + &format!("; {} are free for {folder}", Bytes(free)),
+        None => text,
+    }
 }

@@ -19,12 +19,12 @@ use crate::scene::survey::Polygons;
 /// The longest statement, bytes: a wrong file must not be gathered as one line.
 const LONGEST: u64 = 1 << 20;
 
-/// Reads a mesh, in f64 and in two passes over the file, so that nothing is held but the mesh.
+/// Reads a mesh, in f64 and in two passes over the file, so that nothing is held but the mesh, and that only if it may.
 ///
 /// # Errors
-/// If the file cannot be read; if there are no faces, or a statement is wrong: with its line.
-pub fn read_mesh(path: &Path) -> Result<Mesh> {
-    in_two_passes(path, |to| tell(path, to))
+/// If the file cannot be read; if there are no faces, or a statement is wrong: with its line. What `may` answers.
+pub(super) fn read(path: &Path, may: &dyn Fn(u64) -> Result<()>) -> Result<Mesh> {
+    in_two_passes(path, may, |to| tell(path, to))
 }
 
 /// Reads the file once.
@@ -160,15 +160,15 @@ impl Lines {
 mod tests {
     use super::*;
 
-    fn read(text: &[u8]) -> Result<Mesh> {
+    fn read_text(text: &[u8]) -> Result<Mesh> {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("a.obj");
         std::fs::write(&path, text).unwrap();
-        read_mesh(&path)
+        read(&path, &|_| Ok(()))
     }
 
     fn refusal(text: &str) -> String {
-        read(text.as_bytes()).unwrap_err().to_string()
+        read_text(text.as_bytes()).unwrap_err().to_string()
     }
 
     const SQUARE: &str = "v 0 0 0\nv 1 0 0 1.0\nv 1 1 0 0.5 0.5 0.5\nv 0 1 0\n";
@@ -177,20 +177,20 @@ mod tests {
     fn corners_of_every_kind_are_the_same_square() {
         let square = [[0, 1, 2], [0, 2, 3]];
         for face in ["f 1 2 3 4", "f 1/5 2/6 3/7 4/8", "f 1//1 2//1 3//1 4//1", "f 1/1/1 2/2/2 3/3/3 4/4/4"] {
-            assert_eq!(read(format!("{SQUARE}{face}").as_bytes()).unwrap().triangles[..], square, "{face}");
+            assert_eq!(read_text(format!("{SQUARE}{face}").as_bytes()).unwrap().triangles[..], square, "{face}");
         }
         let split = "f -4 -3 \\\n  -2 \\\r\n -1\r\n";
-        assert_eq!(read(format!("{SQUARE}{split}").as_bytes()).unwrap().triangles[..], square);
+        assert_eq!(read_text(format!("{SQUARE}{split}").as_bytes()).unwrap().triangles[..], square);
     }
 
     #[test]
     fn objects_are_one_mesh_and_other_statements_are_passed_over() {
         let text = "# made by hand\nmtllib a.mtl\no first\nv 500000 5800000 1\nv 500001 5800000 1\nv 500000 5800001 1\n\
                     vt 0 0\nvn 0 0 1\nusemtl x\ns off\nf -3 -2 -1 # in front\no second\nv 500002 5800000 1\nl 1 2\nf 2 4 3";
-        let mesh = read(text.as_bytes()).unwrap();
+        let mesh = read_text(text.as_bytes()).unwrap();
         assert_eq!(mesh.triangles[..], [[0, 1, 2], [1, 3, 2]]);
         assert_eq!(mesh.origin, DVec3::new(500_001.0, 5_800_000.5, 1.0));
-        let again = read(text.replace('\n', "\r\n").as_bytes()).unwrap();
+        let again = read_text(text.replace('\n', "\r\n").as_bytes()).unwrap();
         assert_eq!(again, mesh);
     }
 
@@ -218,7 +218,7 @@ mod tests {
     #[test]
     fn no_line_is_gathered_without_end() {
         let long = [b"f ".to_vec(), vec![b'1'; 3 << 20]].concat();
-        assert!(read(&long).unwrap_err().to_string().contains("is longer than 1048576 bytes"));
+        assert!(read_text(&long).unwrap_err().to_string().contains("is longer than 1048576 bytes"));
         let continued = "f 1 \\\n".repeat(1 << 18);
         assert!(refusal(&continued).contains("is longer than 1048576 bytes"));
     }

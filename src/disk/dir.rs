@@ -132,9 +132,24 @@ impl Store for DirStore {
         Ok(names)
     }
 
+    fn free(&self) -> Option<u64> {
+        free(&self.root)
+    }
+
     fn path(&self, name: &str) -> PathBuf {
         self.root.join(name)
     }
+}
+
+/// The bytes that an ordinary user may still write into a folder that is there or will be: those of the file system that
+/// holds it, or the nearest folder above it.
+fn free(folder: &Path) -> Option<u64> {
+    let absolute = std::path::absolute(folder).ok()?;
+    let there = absolute.ancestors().find(|above| above.exists())?;
+    #[cfg(unix)]
+    return rustix::fs::statvfs(there).ok().map(|found| found.f_bavail.saturating_mul(found.f_frsize));
+    #[cfg(not(unix))]
+    return None;
 }
 
 impl Sink for AtomicFile {

@@ -27,6 +27,8 @@ pub(crate) struct FaultyStore {
     state: Arc<State>,
     /// A file that is read wrong, however often it is written.
     rotten: Option<String>,
+    /// The bytes that it says are free.
+    free: Option<u64>,
 }
 
 #[derive(Debug)]
@@ -53,12 +55,17 @@ impl FaultyStore {
     /// Fails at step `at`, counted from 0; never if there are not so many.
     pub(crate) fn new(inner: Arc<dyn Store>, at: u64, fault: Fault) -> Self {
         let state = State { at, fault, steps: AtomicU64::new(0), dead: AtomicBool::new(false) };
-        FaultyStore { inner, state: Arc::new(state), rotten: None }
+        FaultyStore { inner, state: Arc::new(state), rotten: None, free: None }
     }
 
     /// Never fails, but reads this file wrong, however often it is written.
     pub(crate) fn rotten(inner: Arc<dyn Store>, name: &str) -> Self {
         FaultyStore { rotten: Some(name.to_owned()), ..FaultyStore::new(inner, u64::MAX, Fault::Killed) }
+    }
+
+    /// Never fails, but says that no more than these bytes are free.
+    pub(crate) fn narrow(inner: Arc<dyn Store>, free: u64) -> Self {
+        FaultyStore { free: Some(free), ..FaultyStore::new(inner, u64::MAX, Fault::Killed) }
     }
 
     /// Steps so far.
@@ -169,6 +176,10 @@ impl Store for FaultyStore {
 
     fn sweep(&self) -> Result<Vec<String>> {
         self.inner.sweep()
+    }
+
+    fn free(&self) -> Option<u64> {
+        self.free.or_else(|| self.inner.free())
     }
 
     fn path(&self, name: &str) -> PathBuf {

@@ -113,6 +113,10 @@ impl Store for MemStore {
         Ok(Vec::new())
     }
 
+    fn free(&self) -> Option<u64> {
+        None
+    }
+
     fn path(&self, name: &str) -> PathBuf {
         PathBuf::from("memory").join(name)
     }

@@ -51,6 +51,9 @@ pub trait Store: fmt::Debug + Send + Sync {
     /// Removes what broken runs left under temporary names, and names it.
     fn sweep(&self) -> Result<Vec<String>>;
 
+    /// The bytes that may still be written into the store; `None` where nobody says.
+    fn free(&self) -> Option<u64>;
+
     /// What messages call a file.
     fn path(&self, name: &str) -> PathBuf;
 

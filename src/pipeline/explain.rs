@@ -4,9 +4,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use super::exec::estimator;
-use super::resume::{self, IMAGE, MASK, POSE, UNREADABLE, frames_of};
+use super::fit::Fit;
+use super::resume::{self, IMAGE, MASK, POSE, TOO_LARGE, UNREADABLE, frames_of};
 use super::scene::Loaded;
-use super::{Pipeline, shards};
+use super::{Pipeline, plan, shards};
 use crate::base::Result;
 use crate::disk::{DirStore, Manifest, Recipe, Unit};
 use crate::stages::export::EXPORT;
@@ -51,8 +52,10 @@ pub fn explain(pipeline: &Pipeline) -> Result<Explanation> {
     let store = DirStore::new(&pipeline.run.work);
     let manifest = Manifest::read(Arc::new(store.clone()))?;
     let estimator = estimator(pipeline)?;
+    let base = plan::base();
     let loaded = Loaded::expected(pipeline)?;
-    let groups = resume::groups(pipeline, &manifest, loaded.mesh_key, &loaded.frames);
+    let fit = Fit::of(pipeline, &loaded, base);
+    let groups = resume::groups(pipeline, &manifest, loaded.mesh_key, &loaded.frames, Some(&fit));
     let units: BTreeSet<String> = groups.iter().map(|group| group.recipe.unit()).collect();
     let stale: Vec<&Unit> =
         manifest.of_kind(FRAMES).filter(|(name, _)| !units.contains(*name)).map(|(_, unit)| unit).collect();
@@ -149,6 +152,8 @@ fn of_frame(kind: &str, name: &str, before: Option<&str>, now: Option<&str>) -> 
     match (before, now) {
         (None, _) => format!("{name} has a {kind} now"),
         (_, None) => format!("{name} has no {kind} any more"),
+        (Some(TOO_LARGE), Some(now)) if now != UNREADABLE => format!("{name} fits under [run] memory now"),
+        (_, Some(TOO_LARGE)) => format!("{name} does not fit under [run] memory any more"),
         (Some(UNREADABLE), _) => format!("the {kind} of {name} can be read now"),
         (_, Some(UNREADABLE)) => format!("the {kind} of {name} can no longer be read"),
         _ => format!("the {kind} of {name} changed"),

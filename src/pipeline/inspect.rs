@@ -60,7 +60,7 @@ pub fn maps(pipeline: &Pipeline, triangles: &[TriangleId], out: &Path) -> Result
     }
     let store: Arc<dyn Store> = Arc::new(DirStore::new(&pipeline.run.work));
     let manifest = Manifest::read(Arc::clone(&store))?;
-    let groups = resume::groups(pipeline, &manifest, loaded.mesh_key, &loaded.frames);
+    let groups = resume::groups(pipeline, &manifest, loaded.mesh_key, &loaded.frames, None);
     let missing = resume::to_do(&manifest, &groups).len();
     if missing > 0 {
         return Err(Error::invalid(format!(

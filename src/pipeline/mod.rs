@@ -7,6 +7,7 @@
 pub mod check;
 pub mod exec;
 pub mod explain;
+pub mod fit;
 pub mod inspect;
 pub mod picture;
 pub mod plan;
@@ -15,10 +16,12 @@ pub mod progress;
 mod raw;
 pub mod report;
 pub mod resume;
+pub mod room;
 pub mod scene;
 mod section;
 mod shards;
 pub mod share;
+pub mod trial;
 
 pub use exec::{export, plan, run};
 pub use explain::explain;
@@ -26,6 +29,7 @@ pub use inspect::{buffers, maps};
 pub use plan::Plan;
 pub use progress::Progress;
 pub use report::Report;
+pub use room::Room;
 
 use std::path::PathBuf;
 

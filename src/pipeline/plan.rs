@@ -1,20 +1,20 @@
 //! What a run will take: stages, workers, queues, memory and time, worked out before anything starts.
 //!
 //! Memory is what the run holds at its largest, phase by phase. Where it is short, a phase gets fewer workers and smaller
-//! batches (`share`); a limit that one worker cannot do with is refused. Times are for a run from the start: inference from a
-//! trial of the estimator on this machine, the rest from [`RAYS_PER_SECOND`] and [`BYTES_PER_SECOND`].
+//! batches (`share`); a limit that one worker cannot do with is refused. Times are for a run from the start: those of casting
+//! and inference from trials on this machine (`trial`), the rest from [`BYTES_PER_SECOND`].
 
 use std::time::Instant;
 
-use rayon::prelude::*;
-
 use super::Pipeline;
+use super::fit::{self, Fit};
+use super::room::Disk;
 use super::scene::Loaded;
 use super::share::{CastInputs, InferInputs};
+use super::trial::Trial;
 use crate::base::units::Bytes;
 use crate::base::{Error, Result, memory};
 use crate::cache;
-use crate::codec::image::Need;
 use crate::flow::pool;
 use crate::model::{Estimator, Session};
 use crate::scene::Material;
@@ -30,16 +30,13 @@ use crate::trace::Bvh;
 /// Items that wait between two stages.
 pub const QUEUE: usize = 1;
 
-/// Rays that one thread casts and gathers in a second, in photographs of real scenes.
-pub const RAYS_PER_SECOND: f64 = 4e6;
-
 /// Bytes of mesh that are read, and of exports that are written, in a second.
 pub const BYTES_PER_SECOND: f64 = 100e6;
 
 /// Bins that flights fill of a triangle's map; measured medians are 12 and 16.
 const USUAL_BINS: u64 = 16;
 
-/// Bytes on disk per record of a segment, measured.
+/// Bytes on disk per record of a segment, measured: 9.3 to 10.
 const RECORD_ON_DISK: u64 = 10;
 
 /// What the plan is made from.
@@ -51,12 +48,16 @@ pub struct Inputs {
     pub pixels: u64,
     /// Pixels of the largest.
     pub largest: u64,
-    /// Bytes that reading a frame takes, at most.
+    /// Bytes that reading a frame takes, at most, of those that are not too large.
     pub frame: u64,
+    /// How many frames are too large to be read under the limit, and the bytes that the largest of them takes.
+    pub too_large: (u64, u64),
     /// Triangles.
     pub triangles: u64,
     /// Bytes of the mesh in memory.
     pub mesh: u64,
+    /// Whether it is mapped from a cache that is there: then it is neither read nor prepared.
+    pub mapped: bool,
     /// Channels of the model.
     pub channels: u64,
     /// Bytes that the process holds before it reads a scene, the estimator included.
@@ -67,6 +68,8 @@ pub struct Inputs {
     pub micro_batch: u64,
     /// What one map takes one worker.
     pub seconds_per_map: f64,
+    /// What frames take, where any could be tried.
+    pub trial: Option<Trial>,
     /// Threads.
     pub threads: u64,
 }
@@ -101,8 +104,8 @@ pub struct Phase {
     pub peak: u64,
     /// Bytes that it cannot do without.
     pub needs: u64,
-    /// What it takes.
-    pub seconds: f64,
+    /// What it takes, where that could be tried.
+    pub seconds: Option<f64>,
 }
 
 /// What a run will take.
@@ -114,8 +117,8 @@ pub struct Plan {
     pub phases: Vec<Phase>,
     /// The limit.
     pub memory: Bytes,
-    /// Bytes on disk: the scene cache, segments, shards, tables and exports.
-    pub disk: u64,
+    /// What it leaves on the disk.
+    pub disk: Disk,
     /// What the cast phase shares its memory by.
     pub cast: CastInputs,
     /// What the infer phase shares its memory by.
@@ -125,22 +128,13 @@ pub struct Plan {
 }
 
 impl Inputs {
-    /// Takes stock of a scene and tries the estimator on a batch.
+    /// Takes stock of a scene and tries the estimator on a batch. `trial` is left out: it comes last.
     ///
     /// # Errors
     /// What the estimator says when it refuses.
-    pub fn of(pipeline: &Pipeline, loaded: &Loaded, estimator: &dyn Estimator, base: u64) -> Result<Inputs> {
-        let scale = u64::from(pipeline.decode.downscale);
-        let pixels = |f: &Frame| (u64::from(f.camera.width) / scale) * (u64::from(f.camera.height) / scale);
+    pub fn of(pipeline: &Pipeline, loaded: &Loaded, estimator: &dyn Estimator, base: u64, fit: &Fit) -> Result<Inputs> {
+        let pixels = |f: &Frame| fit::pixels(pipeline, f);
         let threads = pool::threads(pipeline.run.threads, pool::available());
-        let decode = loaded.decode(pipeline, "");
-        // Files that have not been made yet will be JPEGs; those that cannot be read are skipped when their turn comes.
-        let made = pipeline.synth.is_none() || pipeline.scene.images.exists();
-        let need = |f: &Frame| match decode.need(f) {
-            Ok(need) => need.peak,
-            Err(_) if made => 0,
-            Err(_) => Need::usual(pixels(f)).peak,
-        };
         let before = memory::resident().unwrap_or(0);
         let (seconds_per_map, session) = trial(estimator)?;
         let grown = memory::resident().unwrap_or(0).saturating_sub(before);
@@ -149,14 +143,17 @@ impl Inputs {
             frames: loaded.frames.len() as u64,
             pixels: loaded.frames.iter().map(pixels).sum(),
             largest: loaded.frames.iter().map(pixels).max().unwrap_or(0),
-            frame: loaded.frames.par_iter().map(need).max().unwrap_or(0),
+            frame: fit.largest(),
+            too_large: fit.too_large(),
             triangles: loaded.mesh.len() as u64,
             mesh: loaded.bytes(),
+            mapped: loaded.is_mapped(),
             channels: estimator.contract().channels as u64,
             base,
             session: (estimator.memory(1).0 - estimator.memory(0).0).max(grown),
             micro_batch: estimator.micro_batch() as u64,
             seconds_per_map,
+            trial: None,
             threads: threads as u64,
         })
     }
@@ -217,19 +214,17 @@ impl Plan {
             session: i.session,
             // Four segments hold a bin, in vectors half full.
             shard: 8 * shard * USUAL_BINS * size_of::<(u16, BinSum)>() as u64,
-            // A block as it is decoded, of the group that saw the most.
-            least: 4 * shard * USUAL_BINS * size_of::<(u16, BinSum)>() as u64,
             rows: 2 * shard * ROW as u64,
         };
         let export = i.triangles as f64 * (EXPORTED * pipeline.export.formats.len() as u64) as f64;
         let alone = |name, held: u64, mapped, seconds| {
             let held = i.base + held;
-            Phase { name, stages: Vec::new(), held, mapped, peak: held, needs: held, seconds }
+            Phase { name, stages: Vec::new(), held, mapped, peak: held, needs: held, seconds: Some(seconds) }
         };
         let neighbours = NEIGHBOURS * i.triangles;
         let building = cache::building(i.triangles, (i.mesh / VERTEX).saturating_sub(i.triangles));
-        let casting =
-            Phase { mapped: i.mesh + bvh, ..plan_cast(&cast, i.base, limit, i.pixels as f64 / RAYS_PER_SECOND) };
+        let seconds = i.trial.map(|trial| i.pixels as f64 * trial.seconds_per_pixel);
+        let casting = Phase { mapped: i.mesh + bvh, ..plan_cast(&cast, i.base, limit, seconds) };
         let (inferring, batch) = plan_infer(&infer, i.base, limit, i.triangles as f64 * i.seconds_per_map);
         let phases = vec![
             alone("load", i.mesh, 0, i.mesh as f64 / BYTES_PER_SECOND),
@@ -241,9 +236,33 @@ impl Plan {
             alone("export", EXPORTING, i.mesh + tables, export / BYTES_PER_SECOND),
         ];
         let records = i.triangles * USUAL_BINS * i.frames.div_ceil(group).min(USUAL_BINS);
-        let scene = i.mesh + bvh + neighbours;
-        let disk = records.min(i.pixels) * RECORD_ON_DISK + scene + 2 * tables + export as u64;
+        // Frames of a group that see a triangle from about the same side share its records, which makes them fewer.
+        let seen = i.trial.map_or(i.pixels, |trial| (i.pixels as f64 * trial.records_per_pixel) as u64);
+        let exports = pipeline.export.formats.len() as u64;
+        let disk = Disk {
+            scene: i.mesh + bvh + neighbours,
+            segments: records.min(seen) * RECORD_ON_DISK,
+            rows: tables,
+            // Where triangles are filled, the materials come to lie in scratch first.
+            tables: tables + if pipeline.merge.fill { scratch } else { 0 },
+            export: EXPORTED * i.triangles,
+            exports,
+            frames: i.frames,
+            shards: i.triangles.div_ceil(u64::from(SHARD)),
+        };
+        // What is not done takes no memory.
+        let done = |phase: &Phase| match phase.name {
+            "load" | "build" => !i.mapped,
+            "export" => exports > 0,
+            _ => true,
+        };
+        let phases = phases.into_iter().filter(done).collect();
         Plan { inputs, phases, memory: pipeline.run.memory, disk, cast, infer, batch }
+    }
+
+    /// What the run takes, where all of it could be tried.
+    pub fn seconds(&self) -> Option<f64> {
+        self.phases.iter().map(|p| p.seconds).sum()
     }
 
     /// The bytes that the run holds at its largest, and in which phase.
@@ -259,9 +278,14 @@ impl Plan {
         let most = self.phases.iter().max_by_key(|p| p.needs);
         let Some(phase) = most.filter(|p| p.needs > self.memory.0) else { return Ok(()) };
         let i = &self.inputs;
+        let what = match phase.name {
+            "build" => "the mesh and the hierarchy over it",
+            "merge" | "export" => "what is kept of every triangle",
+            _ => "the mesh",
+        };
         let (who, hint) = [
             (i.base, "the process and its model", "choose a smaller [infer] model"),
-            (phase.held - i.base, "the mesh", "take a mesh of fewer triangles"),
+            (phase.held - i.base, what, "take a mesh of fewer triangles"),
             (phase.needs - phase.held, "one frame or shard in work", "take smaller frames, as with [decode] downscale"),
         ]
         .into_iter()
@@ -279,7 +303,7 @@ impl Plan {
 
 /// The cast phase beside what is `held` all along; where it does not fit, as one worker would need it. `seconds` is what
 /// one worker takes.
-fn plan_cast(inputs: &CastInputs, held: u64, limit: u64, seconds: f64) -> Phase {
+fn plan_cast(inputs: &CastInputs, held: u64, limit: u64, seconds: Option<f64>) -> Phase {
     let left = limit.saturating_sub(held);
     let asked = inputs.workers as u64;
     let missing = inputs.share(0).err().unwrap_or(0);
@@ -296,7 +320,7 @@ fn plan_cast(inputs: &CastInputs, held: u64, limit: u64, seconds: f64) -> Phase 
         stage("gather", 1, 1, QUEUE, share.gather + share.compressing),
     ];
     let peak = held + stages.iter().map(|s| s.memory).sum::<u64>();
-    let seconds = seconds / workers.max(1) as f64;
+    let seconds = seconds.map(|seconds| seconds / workers.max(1) as f64);
     Phase { name: "cast", stages, held, mapped: 0, peak, needs: held + missing, seconds }
 }
 
@@ -315,7 +339,7 @@ fn plan_infer(inputs: &InferInputs, held: u64, limit: u64, seconds: f64) -> (Pha
         stage("keep", 1, 1, QUEUE, 0),
     ];
     let peak = held + stages.iter().map(|s| s.memory).sum::<u64>();
-    let seconds = seconds / workers.max(1) as f64;
+    let seconds = Some(seconds / workers.max(1) as f64);
     (Phase { name: "infer", stages, held, mapped: 0, peak, needs: held + missing, seconds }, share.batch as u64)
 }
 
@@ -342,13 +366,16 @@ mod tests {
         pixels: 100_000_000,
         largest: 1_000_000,
         frame: 3_500_000,
+        too_large: (0, 0),
         triangles: 250_000,
         mesh: 4_500_000,
+        mapped: false,
         channels: 4,
         base: 50 << 20,
         session: 8 << 20,
         micro_batch: 1,
         seconds_per_map: 4e-4,
+        trial: Some(Trial { seconds_per_pixel: 2.5e-7, records_per_pixel: 0.125 }),
         threads: 2,
     };
 
@@ -366,9 +393,19 @@ mod tests {
     fn frames_take_time_and_no_memory() {
         let (few, many) = (plan(INPUTS, 4096), plan(Inputs { frames: 1000, pixels: 1_000_000_000, ..INPUTS }, 4096));
         assert_eq!(few.peak(), many.peak());
-        assert_eq!(phase(&few, "cast").seconds * 10.0, phase(&many, "cast").seconds);
-        assert_eq!(phase(&few, "cast").seconds, 12.5);
-        assert_eq!(phase(&few, "infer").seconds, 50.0);
+        assert_eq!(phase(&few, "cast").seconds.unwrap() * 10.0, phase(&many, "cast").seconds.unwrap());
+        assert_eq!(phase(&few, "cast").seconds, Some(12.5));
+        assert_eq!(phase(&few, "infer").seconds, Some(50.0));
+    }
+
+    #[test]
+    fn what_could_not_be_tried_is_not_known() {
+        let blind = plan(Inputs { trial: None, ..INPUTS }, 4096);
+        assert_eq!((blind.seconds(), phase(&blind, "cast").seconds), (None, None));
+        assert!(plan(INPUTS, 4096).seconds().is_some_and(|s| (62.5..65.0).contains(&s)));
+        // As many records as bins, or as were found.
+        assert_eq!(blind.disk.segments, 250_000 * 16 * 13 * 10);
+        assert_eq!(plan(INPUTS, 4096).disk.segments, 100_000_000 / 8 * 10);
     }
 
     #[test]
@@ -377,7 +414,7 @@ mod tests {
         let mut last = f64::INFINITY;
         for memory in (64..4096).step_by(64) {
             let plan = plan(crowded, memory);
-            let seconds = plan.phases.iter().map(|p| p.seconds).sum::<f64>();
+            let seconds = plan.seconds().unwrap();
             assert!(seconds <= last, "{memory}");
             last = seconds;
             assert_eq!(plan.fits().is_ok(), plan.peak().0 <= memory << 20, "{memory}");
@@ -394,9 +431,15 @@ mod tests {
     fn a_limit_that_cannot_work_is_refused_by_how_much() {
         plan(INPUTS, 1024).fits().unwrap();
         let words = |inputs, memory| plan(inputs, memory).fits().unwrap_err().to_string();
-        insta::assert_snapshot!(words(INPUTS, 64), @r#"[run] memory = "64 MiB" is 55.1 MiB too small: the phase build needs 119.1 MiB, most of it for the mesh; give it more, or take a mesh of fewer triangles"#);
+        insta::assert_snapshot!(words(INPUTS, 64), @r#"[run] memory = "64 MiB" is 55.1 MiB too small: the phase build needs 119.1 MiB, most of it for the mesh and the hierarchy over it; give it more, or take a mesh of fewer triangles"#);
         insta::assert_snapshot!(words(Inputs { frame: 900 << 20, threads: 16, ..INPUTS }, 512), @r#"[run] memory = "512 MiB" is 477.5 MiB too small: the phase cast needs 989.5 MiB, most of it for one frame or shard in work; give it more, or take smaller frames, as with [decode] downscale"#);
         let fine = Inputs { triangles: 100_000_000, mesh: 1_800_000_000, ..INPUTS };
-        insta::assert_snapshot!(words(fine, 4096), @r#"[run] memory = "4 GiB" is 55.4 MiB too small: the phase build needs 4.1 GiB, most of it for the mesh; give it more, or take a mesh of fewer triangles"#);
+        insta::assert_snapshot!(words(fine, 4096), @r#"[run] memory = "4 GiB" is 55.4 MiB too small: the phase build needs 4.1 GiB, most of it for the mesh and the hierarchy over it; give it more, or take a mesh of fewer triangles"#);
+        let mut merging = plan(Inputs { triangles: 1_000_000_000, ..INPUTS }, 128);
+        merging.phases.retain(|phase| phase.name == "merge");
+        let why = merging.fits().unwrap_err().to_string();
+        assert!(why.contains("the phase merge needs") && why.contains("for what is kept of every triangle"), "{why}");
+        // A mesh that is mapped already takes none.
+        plan(Inputs { mapped: true, mesh: 1 << 40, ..INPUTS }, 256).fits().unwrap();
     }
 }

@@ -11,6 +11,7 @@ use serde::Serialize;
 use serde_json::Value;
 
 use super::Pipeline;
+use super::fit::Fit;
 use crate::base::Result;
 use crate::base::ids::FrameId;
 use crate::base::key::Key;
@@ -31,6 +32,10 @@ pub const POSE: &str = "pose ";
 /// its key is another.
 pub const UNREADABLE: &str = "unreadable";
 
+/// What stands for the content of an image that does not fit under the limit: its frame is skipped, and once there is
+/// memory for it its key is another.
+pub const TOO_LARGE: &str = "too large";
+
 /// The recipe parts of each frame: image, mask, pose.
 struct Parts<'a> {
     frames: &'a [Frame],
@@ -42,12 +47,14 @@ impl Parts<'_> {
         Parts { frames, values: frames.par_iter().map(|frame| parts_of(pipeline, frame)).collect() }
     }
 
-    /// The group of these frames, which lack nothing but `common`, the parts that all groups share.
-    fn group(&self, common: &Recipe, frames: Vec<FrameId>) -> Group {
+    /// The group of these frames, which lack nothing but `common`, the parts that all groups share. `left_out` says which
+    /// of them are too large.
+    fn group(&self, common: &Recipe, frames: Vec<FrameId>, left_out: impl Fn(FrameId) -> bool) -> Group {
         let add = |recipe: Recipe, &id: &FrameId| {
             let (name, values) = (&self.frames[id as usize].name, &self.values[id as usize]);
             let named = [IMAGE, MASK, POSE].iter().zip(values);
-            named.fold(recipe, |recipe, (part, value)| match value {
+            named.fold(recipe, |recipe, (&part, value)| match value {
+                Some(_) if part == IMAGE && left_out(id) => recipe.with(format!("{part}{name}"), TOO_LARGE),
                 Some(value) => recipe.with(format!("{part}{name}"), value),
                 None => recipe,
             })
@@ -69,7 +76,11 @@ pub fn frames_of(recipe: &Recipe) -> impl Iterator<Item = &str> {
 /// The groups of a run's frames. Groups that are done stay as they are if none of their frames has changed; the frames
 /// that are left are put into groups in the order of their names. So a frame that changes takes its group along and no
 /// other, and a frame that is new takes none.
-pub fn groups(pipeline: &Pipeline, manifest: &Manifest, mesh: Key, frames: &[Frame]) -> Vec<Group> {
+///
+/// A frame that is too large under this limit (`fit`) is left out of a group that is still to be done, and its group is
+/// done again under a limit that it fits. A group that has it already keeps it, whatever the limit is now. Without `fit`,
+/// nothing is asked of frames that were left out.
+pub fn groups(pipeline: &Pipeline, manifest: &Manifest, mesh: Key, frames: &[Frame], fit: Option<&Fit>) -> Vec<Group> {
     let parts = Parts::of(pipeline, frames);
     let common = settings(
         Recipe::new(FRAMES).with("scene.mesh", mesh).with("format", VERSION),
@@ -82,7 +93,8 @@ pub fn groups(pipeline: &Pipeline, manifest: &Manifest, mesh: Key, frames: &[Fra
             continue;
         };
         if !ids.is_empty() && ids.iter().all(|id| free.contains(id)) {
-            let group = parts.group(&common, ids);
+            let was = |id| done.recipe.part(&format!("{IMAGE}{}", frames[id as usize].name)) == Some(TOO_LARGE);
+            let group = parts.group(&common, ids, |id| was(id) && fit.is_none_or(|fit| fit.is_too_large(id)));
             if group.recipe.unit() == unit {
                 group.frames.iter().for_each(|id| {
                     free.remove(id);
@@ -92,7 +104,9 @@ pub fn groups(pipeline: &Pipeline, manifest: &Manifest, mesh: Key, frames: &[Fra
         }
     }
     let left: Vec<FrameId> = free.into_iter().collect();
-    groups.extend(left.chunks(pipeline.gather.group as usize).map(|ids| parts.group(&common, ids.to_vec())));
+    let too_large = |id| fit.is_some_and(|fit| fit.is_too_large(id));
+    let new = |ids: &[FrameId]| parts.group(&common, ids.to_vec(), too_large);
+    groups.extend(left.chunks(pipeline.gather.group as usize).map(new));
     groups.sort_unstable_by_key(|group| group.frames[0]);
     groups
 }

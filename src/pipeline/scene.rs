@@ -6,6 +6,7 @@ use std::sync::Arc;
 use super::{Pipeline, PosesFormat};
 use crate::base::ids::FrameId;
 use crate::base::key::{Key, KeyBuilder};
+use crate::base::units::Bytes;
 use crate::base::{Error, Result};
 use crate::cache::{self, Cached};
 use crate::codec::{colmap, mesh};
@@ -58,27 +59,54 @@ fn cached(store: &dyn Store, manifest: &Manifest, mesh: Key) -> Result<Option<Ca
     there.then(|| cache::open(store, &file(mesh))).transpose()
 }
 
+/// Whether a mesh of so many bytes fits under the limit beside what the process holds already.
+fn within(limit: Bytes, base: u64, mesh: u64) -> Result<()> {
+    let needs = base.saturating_add(mesh);
+    if needs <= limit.0 {
+        return Ok(());
+    }
+    let hint = if base > mesh { "choose a smaller [infer] model" } else { "take a mesh of fewer triangles" };
+    let [missing, base, mesh] = [needs - limit.0, base, mesh].map(Bytes);
+    Err(Error::invalid(format!(
+        "[run] memory = \"{limit}\" is {missing} too small: the mesh takes {mesh}, beside {base} for the process and its \
+         model; give it more, or {hint}"
+    )))
+}
+
 impl Loaded {
     /// Reads mesh and poses; the mesh from the run's cache if there is a good one.
     pub fn read(pipeline: &Pipeline) -> Result<Loaded> {
+        Loaded::read_within(pipeline, &|_| Ok(()))
+    }
+
+    fn read_within(pipeline: &Pipeline, may: &dyn Fn(u64) -> Result<()>) -> Result<Loaded> {
         let mesh = Key::of_file(&pipeline.scene.mesh)?;
         let store = DirStore::new(&pipeline.run.work);
         // The cache is a copy: what is wrong with it is told by the next run, which makes it again.
         let cached = Manifest::read(Arc::new(store.clone())).and_then(|manifest| cached(&store, &manifest, mesh));
-        Loaded::with(pipeline, mesh, cached.ok().flatten())
+        Loaded::with(pipeline, mesh, cached.ok().flatten(), may)
     }
 
-    /// The same for a run, which has a damaged cache made again.
-    pub fn open(pipeline: &Pipeline, store: &dyn Store, manifest: &Manifest) -> Result<Loaded> {
+    /// The same for a run that holds `base` bytes already, which has a damaged cache made again.
+    ///
+    /// # Errors
+    /// A mesh that is in no cache and does not fit under the limit: it is not read then.
+    pub fn open(pipeline: &Pipeline, store: &dyn Store, manifest: &Manifest, base: u64) -> Result<Loaded> {
         let mesh = Key::of_file(&pipeline.scene.mesh)?;
-        Loaded::with(pipeline, mesh, cached(store, manifest, mesh)?)
+        let cached = cached(store, manifest, mesh)?;
+        Loaded::with(pipeline, mesh, cached, &|bytes| within(pipeline.run.memory, base, bytes))
     }
 
-    fn with(pipeline: &Pipeline, mesh_key: Key, cached: Option<Cached>) -> Result<Loaded> {
+    fn with(
+        pipeline: &Pipeline,
+        mesh_key: Key,
+        cached: Option<Cached>,
+        may: &dyn Fn(u64) -> Result<()>,
+    ) -> Result<Loaded> {
         let scene = &pipeline.scene;
         let (mesh, cached) = match cached {
             Some(Cached { mesh, bvh, adjacency, degenerate }) => (mesh, Some(Prepared { bvh, adjacency, degenerate })),
-            None => (mesh::read_mesh(&scene.mesh)?, None),
+            None => (mesh::read_mesh(&scene.mesh, may)?, None),
         };
         let frames = match scene.poses.format {
             PosesFormat::Colmap => colmap::read_model(&scene.poses.path)?,
@@ -110,8 +138,22 @@ impl Loaded {
 
     /// The scene that a run will load, though it may not have been made yet.
     pub fn expected(pipeline: &Pipeline) -> Result<Loaded> {
+        Loaded::expected_within(pipeline, &|_| Ok(()))
+    }
+
+    /// The same for a process that holds `base` bytes already.
+    ///
+    /// # Errors
+    /// The same mesh that a run refuses.
+    pub fn planned(pipeline: &Pipeline, base: u64) -> Result<Loaded> {
+        Loaded::expected_within(pipeline, &|bytes| within(pipeline.run.memory, base, bytes))
+    }
+
+    fn expected_within(pipeline: &Pipeline, may: &dyn Fn(u64) -> Result<()>) -> Result<Loaded> {
         match &pipeline.synth {
             Some(synth) if !pipeline.scene.mesh.exists() => {
+                // Its vertices come on top.
+                may(u64::from(synth.city.triangles) * size_of::<[u32; 3]>() as u64)?;
                 let mesh = city::build(&synth.city)?.mesh;
                 Ok(Loaded {
                     mesh,
@@ -120,7 +162,7 @@ impl Loaded {
                     cached: None,
                 })
             }
-            _ => Loaded::read(pipeline),
+            _ => Loaded::read_within(pipeline, may),
         }
     }
 

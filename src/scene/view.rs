@@ -32,6 +32,19 @@ impl Tile {
     pub fn position(self, (x, y): (u32, u32), image_width: u32) -> usize {
         (self.y + y) as usize * image_width as usize + (self.x + x) as usize
     }
+
+    /// Tiles of at most `side` x `side` pixels that cover it, row by row.
+    pub fn split(self, side: u32) -> impl Iterator<Item = Tile> {
+        let (side, Tile { x, y, width, height }) = (side.max(1), self);
+        let corner = move |start: u32, length: u32| (start..start + length).step_by(side as usize);
+        let row = move |top| corner(x, width).map(move |left| (left, top));
+        corner(y, height).flat_map(row).map(move |(left, top)| Tile {
+            x: left,
+            y: top,
+            width: side.min(x + width - left),
+            height: side.min(y + height - top),
+        })
+    }
 }
 
 impl View {
@@ -53,15 +66,7 @@ impl View {
 
     /// Tiles of at most `side` x `side` pixels that cover the image, row by row.
     pub fn tiles(&self, side: u32) -> impl Iterator<Item = Tile> + use<> {
-        let (w, h) = (self.camera.width, self.camera.height);
-        let corner = move |start: u32, end: u32| (start..end).step_by(side.max(1) as usize);
-        let row = move |y| corner(0, w).map(move |x| (x, y));
-        corner(0, h).flat_map(row).map(move |(x, y)| Tile {
-            x,
-            y,
-            width: side.max(1).min(w - x),
-            height: side.max(1).min(h - y),
-        })
+        Tile { x: 0, y: 0, width: self.camera.width, height: self.camera.height }.split(side)
     }
 
     /// Unit directions, in the world, through the centres of a tile's pixels, given as (column, row) in the tile; NaN

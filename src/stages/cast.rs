@@ -10,7 +10,7 @@ use crate::flow::{Map, Outlet, Skipped};
 use crate::scene::Mesh;
 use crate::scene::frame::{Frame, LinearImage};
 use crate::scene::reflectance::{BinSum, LobeFrame, bin_of};
-use crate::scene::view::View;
+use crate::scene::view::{Tile, View};
 use crate::shard::{Accumulator, FrameRows, Record};
 use crate::trace::{Bvh, TileRays};
 
@@ -87,11 +87,12 @@ pub fn tile_bytes(tile: u32) -> u64 {
 }
 
 impl Cast<'_> {
-    /// Casts all pixels; gives `part` the rows whenever they have become too many to be held. Gives the rest of the rows
-    /// and the number of observations.
-    fn rows(
+    /// Casts the pixels of tiles; gives `part` the rows whenever they have become too many to be held. Gives the rest of
+    /// the rows and the number of observations.
+    pub fn rows(
         &self,
         view: &View,
+        tiles: impl Iterator<Item = Tile>,
         image: &LinearImage,
         scratch: &mut Scratch,
         mut part: impl FnMut(FrameRows) -> Result<()>,
@@ -100,7 +101,7 @@ impl Cast<'_> {
         let mut observations = 0;
         // Neighbouring pixels mostly see one triangle: its axes are worked out once for a run of them.
         let mut last: Option<(TriangleId, LobeFrame)> = None;
-        for tile in view.tiles(self.tile) {
+        for tile in tiles {
             for (at, direction, hit) in rays.cast(view, self.bvh, tile).filter(|(.., hit)| hit.is_some()) {
                 let Some(pixel) = image.pixel(tile.position(at, image.width)) else { continue };
                 if last.is_none_or(|(t, _)| t != hit.triangle) {
@@ -137,7 +138,7 @@ impl Map for Cast<'_> {
         };
         let posed = &self.frames[frame as usize];
         let view = View::new(posed.camera.down_scaled(self.downscale), &posed.pose, self.mesh);
-        let (rows, observations) = self.rows(&view, &image, scratch, |part| {
+        let (rows, observations) = self.rows(&view, view.tiles(self.tile), &image, scratch, |part| {
             out.count_bytes(part.bytes());
             out.send(Seen { frame, rows: Ok(part), more: true, rays: 0, observations: 0 })
         })?;

@@ -34,7 +34,7 @@ impl Source for Frames<'_> {
         for &frame in self.groups.iter().flat_map(|g| &g.frames) {
             let posed = &self.decode.frames[frame as usize];
             let need = self.decode.need(posed).map_err(|why| why.to_string());
-            let memory = match need.and_then(|need| within(need, self.memory)) {
+            let memory = match need.and_then(|need| within(need, self.memory, self.budget.total())) {
                 Ok(bytes) => Ok(self.budget.reserve("frames", bytes)?),
                 Err(why) => Err(skipped(posed, why, self.decode.replay)),
             };
@@ -45,9 +45,14 @@ impl Source for Frames<'_> {
 }
 
 /// The bytes to lend, or why they are more than there will ever be.
-fn within(need: Need, memory: u64) -> Result<u64, String> {
-    let [needs, has] = [need.peak, memory].map(Bytes);
-    let why = || format!("reading it takes {needs} of memory, and [run] memory leaves {has} for frames");
+fn within(need: Need, memory: u64, limit: u64) -> Result<u64, String> {
+    let [needs, has, limit] = [need.peak, memory, limit].map(Bytes);
+    let why = || {
+        format!(
+            "reading it takes {needs} of memory, and [run] memory = \"{limit}\" leaves {has} for it: give it more, or \
+             make the images smaller and say so by [decode] downscale"
+        )
+    };
     (need.peak <= memory).then_some(need.peak).ok_or_else(why)
 }
 
@@ -58,8 +63,7 @@ mod tests {
     #[test]
     fn a_frame_that_could_never_be_read_says_what_it_takes() {
         let need = Need { peak: 3 << 30, held: 1 << 30 };
-        assert_eq!(within(need, 3 << 30), Ok(3 << 30));
-        let why = within(need, 1 << 30).unwrap_err();
-        assert_eq!(why, "reading it takes 3 GiB of memory, and [run] memory leaves 1 GiB for frames");
+        assert_eq!(within(need, 3 << 30, 4 << 30), Ok(3 << 30));
+        insta::assert_snapshot!(within(need, 1 << 30, 2 << 30).unwrap_err(), @r#"reading it takes 3 GiB of memory, and [run] memory = "2 GiB" leaves 1 GiB for it: give it more, or make the images smaller and say so by [decode] downscale"#);
     }
 }

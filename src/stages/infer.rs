@@ -4,7 +4,6 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
-use super::shards::Inferred;
 use super::{Choice, Fault};
 use crate::base::Result;
 use crate::flow::{Map, Outlet, Reservation};
@@ -85,7 +84,7 @@ impl Config {
     }
 }
 
-/// Turns the maps of a shard, or of a part of one, into materials.
+/// Turns the maps of a shard into materials.
 pub struct Infer<'a> {
     /// The network.
     pub estimator: &'a dyn Estimator,
@@ -117,7 +116,7 @@ impl Infer<'_> {
 
 impl Map for Infer<'_> {
     type In = (ShardMaps, Reservation);
-    type Out = Inferred;
+    type Out = ShardRows;
     type Scratch = Scratch;
 
     fn scratch(&self) -> Result<Scratch> {
@@ -128,7 +127,7 @@ impl Map for Infer<'_> {
         &self,
         scratch: &mut Scratch,
         (shard, memory): (ShardMaps, Reservation),
-        out: &mut Outlet<'_, Inferred>,
+        out: &mut Outlet<'_, ShardRows>,
     ) -> Result<()> {
         let enough = |map: &SparseMap| map.bins.len() >= self.min_bins.max(1);
         let mut rows: Vec<Row> = Vec::with_capacity(shard.triangles.len());
@@ -144,11 +143,11 @@ impl Map for Infer<'_> {
                 rows[*slot].1 = material.to_array();
             }
         }
-        let (number, more) = (shard.shard, shard.more);
+        let number = shard.shard;
         // What waits for its turn is the rows alone.
         drop(asked);
         drop((shard, memory));
-        out.send(Inferred { rows: ShardRows { shard: number, rows }, more })
+        out.send(ShardRows { shard: number, rows })
     }
 }
 

@@ -2,7 +2,7 @@
 //! what it leaves is the same.
 
 use std::fs::{self, OpenOptions};
-use std::io::Write;
+use std::io::{Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::sync::Arc;
@@ -16,7 +16,8 @@ use gonio::scene::frame::Frame;
 use image::{Rgb, Rgb32FImage};
 use tempfile::TempDir;
 
-use crate::files::city;
+use crate::files::{city, outputs};
+use crate::ran::Ran;
 
 /// Between two looks at the process.
 const LOOK: Duration = Duration::from_millis(2);
@@ -69,9 +70,16 @@ fn ended_well(child: Child) {
     assert!(output.status.success(), "{}: {}", output.status, String::from_utf8_lossy(&output.stderr));
 }
 
-/// Runs it, and gives the most anonymous memory that the process was seen to hold.
+/// Runs it to its good end, and gives the most anonymous memory that the process was seen to hold.
 fn peak(dir: &Path, work: &str, limit: u64) -> u64 {
     let mut child = start(dir, work, limit, "");
+    let peak = watched(&mut child);
+    ended_well(child);
+    peak
+}
+
+/// The most anonymous memory that a process is seen to hold until it ends.
+fn watched(child: &mut Child) -> u64 {
     let status = format!("/proc/{}/status", child.id());
     let mut peak = 0;
     while child.try_wait().unwrap().is_none() {
@@ -79,7 +87,6 @@ fn peak(dir: &Path, work: &str, limit: u64) -> u64 {
         peak = peak.max(held.unwrap_or(0));
         thread::sleep(LOOK);
     }
-    ended_well(child);
     peak
 }
 
@@ -107,6 +114,57 @@ fn the_process_stays_under_its_limit_and_leaves_the_same() {
         }
         None => println!("no cgroup may be made here: a limit on all pages, mapped ones too, is not tried"),
     }
+}
+
+#[test]
+fn a_mesh_that_does_not_fit_is_refused_before_it_is_read() {
+    let dir = city();
+    // Ten million vertices in a file of holes, 114 MiB in memory, and one triangle.
+    let header = "ply\nformat binary_little_endian 1.0\nelement vertex 10000000\nproperty float x\nproperty float y\n\
+                  property float z\nelement face 1\nproperty list uchar uchar vertex_indices\nend_header\n";
+    let mut file = fs::File::create(dir.path().join("mesh.ply")).unwrap();
+    file.write_all(header.as_bytes()).unwrap();
+    file.seek(SeekFrom::Current(120_000_000)).unwrap();
+    file.write_all(&[3, 0, 1, 2]).unwrap();
+    let mut child = start(dir.path(), "work", 128 * MIB, "");
+    let held = watched(&mut child);
+    let output = child.wait_with_output().unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert!(said.contains("too small: the mesh takes 114.4 MiB") && said.contains("fewer triangles"), "{said}");
+    assert!(held < 100 * MIB, "{} MiB", held / MIB);
+}
+
+#[test]
+fn a_frame_that_does_not_fit_is_skipped_until_it_does() {
+    let dir = city();
+    let (model, large) = (dir.path().join("sparse/0"), "frame_004.hdr");
+    let mut frames = colmap::read_model(&model).unwrap();
+    let (width, height) = (5000, 4000);
+    let lens =
+        Model::pinhole([f64::from(width) * 0.15; 2].into(), [f64::from(width) / 2.0, f64::from(height) / 2.0].into());
+    frames[4] = Frame { name: large.into(), camera: Camera { width, height, model: lens }.into(), ..frames[4].clone() };
+    colmap::write_model(&model, &frames, Encoding::Binary).unwrap();
+    Rgb32FImage::from_pixel(width, height, Rgb([0.2, 0.3, 0.4])).save(dir.path().join("images").join(large)).unwrap();
+    let gonio = |command: &str, work: &str, memory: &str| {
+        let sets = format!("--set run.work={work} --set run.memory={memory} --set gather.group=2");
+        Ran::gonio(dir.path(), &format!("{command} {sets}"))
+    };
+    gonio("plan p.toml", "work", "200MiB").ends(0).says("1 of 10 frames: reading one takes up to 229");
+    let ran = gonio("run p.toml", "work", "200MiB");
+    ran.ends(3)
+        .says("skipped frame_004.hdr: reading it takes 229")
+        .says("[run] memory = \"200 MiB\"")
+        .says("downscale");
+    gonio("run p.toml", "work", "200MiB").ends(3).says("10 (0 cast, 10 from before, 1 skipped)");
+    gonio("maps p.toml --triangles 1 --out m.npz", "work", "200MiB").ends(0);
+    // With memory for it, its group is done again, and the result is that of a run that had it all along.
+    gonio("explain p.toml", "work", "1GiB").ends(0).says("frames         2 of 10").says("frame_004.hdr fits");
+    gonio("run p.toml", "work", "1GiB").ends(0).says("10 (2 cast, 8 from before, 0 skipped)");
+    gonio("run p.toml", "fresh", "1GiB").ends(0);
+    assert!(outputs(&dir.path().join("work")) == outputs(&dir.path().join("fresh")));
+    // What has been cast stays.
+    gonio("run p.toml", "work", "200MiB").ends(0).says("10 (0 cast, 10 from before, 0 skipped)");
 }
 
 #[test]

@@ -38,7 +38,15 @@ pub use write::{FaceColumn, Values, write_mesh};
 /// If the file cannot be read or is truncated; if there are no faces, a face has fewer than three corners or refers to
 /// a vertex that is not there, a coordinate is not finite: with the element's position, counted from 0.
 pub fn read_mesh(path: &Path) -> Result<Mesh> {
-    in_two_passes(path, |to| tell(path, to))
+    read(path, &|_| Ok(()))
+}
+
+/// The same, if the mesh may be held.
+///
+/// # Errors
+/// The same, and what `may` answers.
+pub(super) fn read(path: &Path, may: &dyn Fn(u64) -> Result<()>) -> Result<Mesh> {
+    in_two_passes(path, may, |to| tell(path, to))
 }
 
 /// Reads the file once.

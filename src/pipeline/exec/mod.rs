@@ -13,13 +13,16 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use super::fit::Fit;
 use super::plan::{self, Inputs};
 use super::report::{Phase, Stage, Triangles};
+use super::room::Room;
 use super::scene::{self, Loaded, SCENES};
+use super::trial::Trial;
 use super::{Pipeline, Plan, Progress, Report, resume};
 use crate::base::units::Bytes;
 use crate::base::{Error, Result, memory};
-use crate::disk::{DirStore, Lock, Manifest, Opening, Store};
+use crate::disk::{DirStore, Lock, Manifest, MemStore, Opening, Store};
 use crate::flow::{Budget, Meter, StopSignal};
 use crate::model::{self, Estimator};
 use crate::scene::evidence::Filled;
@@ -141,14 +144,22 @@ impl<'a> Run<'a> {
         self.report.backend = estimator.describe();
         let base = plan::base();
         let (mut loaded, groups) = self.phase("load", vec![], |run| {
-            let loaded = Loaded::open(run.pipeline, &*run.store, manifest)?;
-            let plan = Plan::new(run.pipeline, Inputs::of(run.pipeline, &loaded, &*estimator, base)?);
-            plan.fits()?;
+            let loaded = Loaded::open(run.pipeline, &*run.store, manifest, base)?;
+            let fit = Fit::of(run.pipeline, &loaded, base);
+            let mut inputs = Inputs::of(run.pipeline, &loaded, &*estimator, base, &fit)?;
+            Plan::new(run.pipeline, inputs).fits()?;
+            let groups = resume::groups(run.pipeline, manifest, loaded.mesh_key, &loaded.frames, Some(&fit));
+            // Where nothing is cast, there is nothing to foretell.
+            if !resume::to_do(manifest, &groups).is_empty() {
+                inputs.trial = Trial::of(run.pipeline, &loaded, base, &fit)?;
+            }
+            let plan = Plan::new(run.pipeline, inputs);
+            Room::of(&*run.store, manifest, &plan.disk).enough()?;
             let later = plan.phases.iter().filter(|p| p.name != "load");
-            let expected: Vec<_> = later.map(|p| (p.name, Duration::from_secs_f64(p.seconds))).collect();
+            let expected: Vec<_> =
+                later.map(|p| (p.name, Duration::from_secs_f64(p.seconds.unwrap_or_default()))).collect();
             run.progress.expect(&expected);
             run.plan = plan;
-            let groups = resume::groups(run.pipeline, manifest, loaded.mesh_key, &loaded.frames);
             Ok((loaded, groups))
         })?;
         let _process = self.budget.reserve("process", base)?;
@@ -201,12 +212,12 @@ impl<'a> Run<'a> {
         if !why.is_disk_full() {
             return why;
         }
-        let there: u64 = manifest.units().values().flat_map(|unit| &unit.files).map(|file| file.bytes).sum();
+        let room = Room::of(&*self.store, manifest, &self.plan.disk);
         why.doing(format!(
             "the disk of {} is full, and about {} is still to be written there: free that much, and the same command goes \
              on from here",
             self.pipeline.run.work.display(),
-            Bytes(self.plan.disk.saturating_sub(there))
+            Bytes(room.needs)
         ))
     }
 }
@@ -215,11 +226,21 @@ impl<'a> Run<'a> {
 ///
 /// # Errors
 /// Inputs that cannot be read, a model that cannot be used.
-pub fn plan(pipeline: &Pipeline) -> Result<(Plan, String)> {
+pub fn plan(pipeline: &Pipeline) -> Result<(Plan, Room, String)> {
     let estimator = estimator(pipeline)?;
     let base = plan::base();
-    let loaded = Loaded::expected(pipeline)?;
-    Ok((Plan::new(pipeline, Inputs::of(pipeline, &loaded, &*estimator, base)?), estimator.describe()))
+    let loaded = Loaded::planned(pipeline, base)?;
+    let fit = Fit::of(pipeline, &loaded, base);
+    let mut inputs = Inputs::of(pipeline, &loaded, &*estimator, base, &fit)?;
+    if Plan::new(pipeline, inputs).fits().is_ok() {
+        inputs.trial = Trial::of(pipeline, &loaded, base, &fit)?;
+    }
+    let plan = Plan::new(pipeline, inputs);
+    let store = DirStore::new(&pipeline.run.work);
+    // A manifest that cannot be read names nothing: then all is still to be written.
+    let manifest = Manifest::read(Arc::new(store.clone())).or_else(|_| Manifest::read(Arc::new(MemStore::new())))?;
+    let room = Room::of(&store, &manifest, &plan.disk);
+    Ok((plan, room, estimator.describe()))
 }
 
 /// A file that is to be written where the user said: its folder must be there.

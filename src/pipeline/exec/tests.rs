@@ -134,6 +134,20 @@ fn a_disk_that_spoils_the_same_file_twice_ends_the_run() {
     assert!(why.contains("checksum"), "{why}");
 }
 
+#[test]
+fn a_disk_without_room_is_refused_before_anything_is_written() {
+    let (_dir, pipeline) = scene();
+    let store = MemStore::new();
+    let narrow = FaultyStore::narrow(Arc::new(store.clone()), 1000);
+    let why = run_here(Arc::new(narrow), &pipeline).unwrap_err().to_string();
+    assert!(why.contains("too small: about") && why.contains("1000 B are free"), "{why}");
+    assert_eq!(store.list("").unwrap(), [""; 0]);
+    // What is done takes no more room.
+    let (whole, _) = run_here(Arc::new(store.clone()), &pipeline).unwrap();
+    let (again, _) = run_here(Arc::new(FaultyStore::narrow(Arc::new(store), 1000)), &pipeline).unwrap();
+    assert_eq!((whole.frames.cast, again.frames.cast), (4, 0));
+}
+
 /// The same bytes but for a bit in the middle.
 fn flipped(bytes: &[u8]) -> Vec<u8> {
     let mut bytes = bytes.to_vec();

@@ -1,0 +1,80 @@
+//! Which frames can be read under the limit. One that cannot does not end the night: it is skipped, and taken once there is
+//! memory for it.
+
+use rayon::prelude::*;
+
+use super::scene::Loaded;
+use super::{Pipeline, share};
+use crate::base::ids::FrameId;
+use crate::codec::image::Need;
+use crate::scene::frame::Frame;
+
+/// What reading each frame takes, and the memory for one.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Fit {
+    /// Bytes that are left for a frame where it is the only one under way.
+    pub room: u64,
+    /// Bytes that reading takes, frame by frame; `None` where the file's header does not say. Such a frame is skipped for
+    /// what is wrong with it when its turn comes.
+    pub needs: Vec<Option<u64>>,
+}
+
+impl Fit {
+    /// Looks at the headers of all images, for a process that holds `base` bytes before it reads a scene.
+    pub fn of(pipeline: &Pipeline, loaded: &Loaded, base: u64) -> Fit {
+        let decode = loaded.decode(pipeline, "");
+        // Files that have not been made yet will be JPEGs.
+        let made = pipeline.synth.is_none() || pipeline.scene.images.exists();
+        let need = |frame: &Frame| match decode.need(frame) {
+            Ok(need) => Some(need.peak),
+            Err(_) if made => None,
+            Err(_) => Some(Need::usual(pixels(pipeline, frame)).peak),
+        };
+        let room = share::frame_room(pipeline.cast.tile, pipeline.run.memory.0.saturating_sub(base));
+        Fit { room, needs: loaded.frames.par_iter().map(need).collect() }
+    }
+
+    /// What reading a frame takes.
+    pub fn need(&self, frame: FrameId) -> Option<u64> {
+        self.needs.get(frame as usize).copied().flatten()
+    }
+
+    /// Whether a frame is too large to be read.
+    pub fn is_too_large(&self, frame: FrameId) -> bool {
+        self.need(frame).is_some_and(|need| need > self.room)
+    }
+
+    /// How many frames are too large, and what the largest of them takes.
+    pub fn too_large(&self) -> (u64, u64) {
+        let large = self.needs.iter().flatten().filter(|need| **need > self.room);
+        large.fold((0, 0), |(count, most), &need| (count + 1, most.max(need)))
+    }
+
+    /// What the largest frame takes that is not too large; if all are, what the smallest does.
+    pub fn largest(&self) -> u64 {
+        let known = || self.needs.iter().flatten().copied();
+        known().filter(|need| *need <= self.room).max().or_else(|| known().min()).unwrap_or(0)
+    }
+}
+
+/// Pixels of a frame's image.
+pub fn pixels(pipeline: &Pipeline, frame: &Frame) -> u64 {
+    let by = pipeline.decode.downscale.max(1);
+    u64::from(frame.camera.width / by) * u64::from(frame.camera.height / by)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_too_large_does_not_count() {
+        let fit = |room| Fit { room, needs: vec![Some(30), None, Some(10), Some(20)] };
+        assert_eq!((fit(30).largest(), fit(30).too_large()), (30, (0, 0)));
+        assert_eq!((fit(29).largest(), fit(29).too_large()), (20, (1, 30)));
+        assert_eq!((fit(9).largest(), fit(9).too_large()), (10, (3, 30)), "none fits");
+        let large: Vec<FrameId> = (0..5).filter(|&id| fit(15).is_too_large(id)).collect();
+        assert_eq!(large, [0, 3]);
+        assert_eq!(Fit::default().largest(), 0);
+    }
+}
