@@ -9,7 +9,14 @@ use std::path::{Path, PathBuf};
 const FLOORS: [&[(&str, &[&str])]; 6] = [
     &[("base", &[])],
     &[("scene", &[]), ("trace", &["scene"]), ("disk", &[]), ("flow", &[])],
-    &[("codec", &[]), ("cache", &[]), ("shard", &[]), ("model", &[]), ("render", &[]), ("synth", &["render", "codec"])],
+    &[
+        ("codec", &[]),
+        ("cache", &[]),
+        ("shard", &[]),
+        ("model", &[]),
+        ("render", &[]),
+        ("synth", &["render", "codec", "cache"]),
+    ],
     &[("stages", &[])],
     &[("pipeline", &[])],
     &[("cli", &[])],

@@ -6,6 +6,7 @@ use glam::{DMat3, DVec3, Vec3};
 
 use super::Pipeline;
 use super::exec::{finished, writable};
+use crate::base::ids::TriangleId;
 use crate::base::{Error, Result};
 use crate::codec::image::{read_image, to_srgb8, write_png};
 use crate::render::relight::Rendering;
@@ -55,7 +56,8 @@ pub fn render(pipeline: &Pipeline, frame: &str, light: Light, beside: bool, out:
         // A black sun and a white sky that all see: diffuse colours.
         rows.iter_mut().for_each(|m| m.ks = [0.0; 3]);
     } else {
-        lighting.visibility = sky_visibility(&loaded.mesh, &bvh, lighting.up, SKY_RAYS);
+        let all = 0..loaded.mesh.len() as TriangleId;
+        lighting.visibility = sky_visibility(&loaded.mesh, &bvh, lighting.up, SKY_RAYS, all).into();
     }
     let picture = relight(&loaded.mesh, &bvh, &rows, &frame, &lighting)?;
     let pixels: Vec<[u8; 3]> = picture.rgb.iter().map(|p| p.map(to_srgb8)).collect();

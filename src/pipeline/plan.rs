@@ -214,6 +214,8 @@ impl Plan {
             session: i.session,
             // Four segments hold a bin, in vectors half full.
             shard: 8 * shard * USUAL_BINS * size_of::<(u16, BinSum)>() as u64,
+            // A block as it is decoded, of the group that saw the most.
+            least: 4 * shard * USUAL_BINS * size_of::<(u16, BinSum)>() as u64,
             rows: 2 * shard * ROW as u64,
         };
         let export = i.triangles as f64 * (EXPORTED * pipeline.export.formats.len() as u64) as f64;

@@ -110,6 +110,8 @@ pub struct InferInputs {
     pub session: u64,
     /// Bytes that merging and holding the largest shard takes.
     pub shard: u64,
+    /// Bytes that merging and holding it in parts takes, at least.
+    pub least: u64,
     /// Bytes of a shard's rows, and of the file that they become.
     pub rows: u64,
 }
@@ -128,15 +130,17 @@ pub struct InferShare {
 }
 
 impl InferInputs {
-    /// Shares `memory` out.
+    /// Shares `memory` out. Where a whole shard does not fit beside one worker with the smallest batch, shards come in parts.
     ///
     /// # Errors
-    /// How many bytes are missing for one worker with the smallest batch.
+    /// How many bytes are missing for one worker with the smallest batch and the smallest parts.
     pub fn share(&self, memory: u64) -> Result<InferShare, u64> {
         let smallest = self.batch.min(self.micro_batch).max(1);
         let fits = |workers: &usize| self.with(*workers, smallest).needs() <= memory;
         let Some(workers) = (1..=self.workers.max(1)).rev().find(fits) else {
-            return Err(self.with(1, smallest).needs() - memory);
+            let in_parts = InferShare { shards: self.least.min(self.shard), ..self.with(1, smallest) };
+            let left = memory.checked_sub(in_parts.needs()).ok_or_else(|| in_parts.needs() - memory)?;
+            return Ok(InferShare { shards: in_parts.shards + left, ..in_parts });
         };
         let halves = std::iter::successors(Some(self.batch), |batch| Some(batch / 2));
         let mut sizes = halves.take_while(|batch| *batch > smallest).chain([smallest]);
@@ -153,6 +157,11 @@ impl InferInputs {
 }
 
 impl InferShare {
+    /// Bytes that one shard may take: one that needs more comes in parts.
+    pub fn room(&self) -> u64 {
+        self.shards / self.workers.max(1) as u64
+    }
+
     /// All of it.
     pub fn needs(&self) -> u64 {
         self.inferring + self.shards
@@ -174,6 +183,7 @@ mod tests {
         map: 115_200,
         session: 8 * MIB,
         shard: 20 * MIB,
+        least: 2 * MIB,
         rows: MIB,
     };
 
@@ -210,7 +220,7 @@ mod tests {
         assert_eq!(CAST.share(10 * MIB + missing).unwrap().workers, 1);
         assert_eq!(CAST.share(10 * MIB + missing - 1), Err(1));
         let missing = INFER.share(MIB).unwrap_err();
-        assert_eq!(INFER.share(MIB + missing).map(|s| (s.workers, s.batch)), Ok((1, 16)));
+        assert_eq!(INFER.share(MIB + missing).map(|s| (s.workers, s.batch, s.shards)), Ok((1, 16, INFER.least)));
         assert_eq!(INFER.share(MIB + missing - 1), Err(1));
     }
 
@@ -221,6 +231,9 @@ mod tests {
         let (workers, batch) = batches(600);
         assert!(workers == 16 && batch < 256, "{workers} {batch}");
         assert!(batches(100).0 < 16);
+        // Shards come in parts before nothing goes any more.
+        let scarce = INFER.with(1, 16).needs() - 5 * MIB;
+        assert_eq!(INFER.share(scarce).map(|s| (s.needs(), s.workers, s.room())), Ok((scarce, 1, 15 * MIB)));
         for memory in 40..2000 {
             assert!(INFER.share(memory * MIB).is_ok_and(|s| s.needs() == memory * MIB && s.shards >= INFER.shard));
         }

@@ -9,6 +9,7 @@ use std::sync::LazyLock;
 
 use glam::Vec3;
 
+use crate::base::Array;
 use crate::base::ids::TriangleId;
 use crate::scene::light::Sun;
 use crate::scene::reflectance::LobeFrame;
@@ -26,13 +27,13 @@ pub struct Lighting {
     /// What rays that leave the mesh see, linear RGB.
     pub background: Vec3,
     /// The share of the sky that each triangle sees, in [0, 1], from `visibility`; empty where all see all of it.
-    pub visibility: Vec<f32>,
+    pub visibility: Array<f32>,
 }
 
 impl Lighting {
     /// A sun and a sky over z, all of it seen from everywhere.
     pub fn new(sun: Sun, sky: Vec3) -> Lighting {
-        Lighting { sun, sky, up: Vec3::Z, background: sky, visibility: Vec::new() }
+        Lighting { sun, sky, up: Vec3::Z, background: sky, visibility: Vec::new().into() }
     }
 
     /// Radiance that a triangle sends back of the sky alone; `cos` is that of the viewer to the normal, in [0, 1].

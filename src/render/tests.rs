@@ -103,7 +103,7 @@ fn the_sky_is_seen_as_far_as_nothing_stands_before_it() {
     let wall = |high: f64| [DVec3::new(-500.0, 0.0, 0.0), DVec3::X * 1000.0, DVec3::Z * high];
     let share = |squares: &[[DVec3; 3]]| {
         let mesh = mesh(squares);
-        sky_visibility(&mesh, &Bvh::build(&mesh), Vec3::Z, 1024)
+        sky_visibility(&mesh, &Bvh::build(&mesh), Vec3::Z, 1024, 0..mesh.len() as u32)
     };
     assert!((share(&[wall(1.0)])[0] - 0.5).abs() < 0.01);
     assert_eq!(share(&[floor()]), [1.0, 1.0]);
@@ -118,7 +118,7 @@ fn lists_of_another_length_are_refused() {
     let bvh = Bvh::build(&mesh);
     let words = relight(&mesh, &bvh, &[WHITE], &frame, &noon()).unwrap_err().to_string();
     assert!(words.contains("1 materials for 2 triangles"), "{words}");
-    let lighting = Lighting { visibility: vec![1.0; 5], ..noon() };
+    let lighting = Lighting { visibility: vec![1.0; 5].into(), ..noon() };
     let words = relight(&mesh, &bvh, &[WHITE; 2], &frame, &lighting).unwrap_err().to_string();
     assert!(words.contains("5 shares of the sky for 2 triangles"), "{words}");
 }
@@ -139,7 +139,7 @@ fn threads_do_not_change_a_picture() {
     let draw = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
-            let visibility = sky_visibility(&mesh, &bvh, Vec3::Z, 16);
+            let visibility = sky_visibility(&mesh, &bvh, Vec3::Z, 16, 0..mesh.len() as u32).into();
             relight(&mesh, &bvh, &[WHITE; 4], &frame, &Lighting { visibility, sky: Vec3::ONE, ..noon() }).unwrap()
         })
     };

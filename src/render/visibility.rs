@@ -1,5 +1,7 @@
 //! How much of the sky each triangle sees.
 
+use std::ops::Range;
+
 use glam::{DVec2, Vec3};
 use rayon::prelude::*;
 
@@ -13,9 +15,9 @@ pub fn offset(mesh: &Mesh) -> f32 {
     mesh.positions.iter().fold(0.0_f32, |far, p| far.max(p.abs().max_element())) * 1e-5
 }
 
-/// The cosine-weighted share of the sky that each triangle sees: `rays` rays from points spread over it, the same in
+/// The cosine-weighted share of the sky that each of these triangles sees: `rays` rays from points spread over it, the same in
 /// the triangle's own frame for every triangle. Rays below the horizon see none, even where they leave the mesh.
-pub fn sky_visibility(mesh: &Mesh, bvh: &Bvh, up: Vec3, rays: u32) -> Vec<f32> {
+pub fn sky_visibility(mesh: &Mesh, bvh: &Bvh, up: Vec3, rays: u32, triangles: Range<TriangleId>) -> Vec<f32> {
     let offset = offset(mesh);
     let samples: Vec<(Vec3, DVec2)> = (0..rays).map(|k| (cosine_direction(k, rays), spread(k))).collect();
     let share = |t: TriangleId| {
@@ -31,7 +33,7 @@ pub fn sky_visibility(mesh: &Mesh, bvh: &Bvh, up: Vec3, rays: u32) -> Vec<f32> {
         });
         free.count() as f32 / rays.max(1) as f32
     };
-    (0..mesh.len() as TriangleId).into_par_iter().map(share).collect()
+    triangles.into_par_iter().map(share).collect()
 }
 
 /// The `k`-th of `n` directions about +z, as dense as their cosine: a Hammersley set on the disk, lifted (Malley).

@@ -61,6 +61,11 @@ impl Survey {
         (self.vertices * size_of::<Vec3>() + self.triangles * size_of::<[u32; 3]>()) as u64
     }
 
+    /// Triangles so far.
+    pub fn triangles(&self) -> usize {
+        self.triangles
+    }
+
     /// Begins the second pass.
     ///
     /// # Errors

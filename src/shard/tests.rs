@@ -216,3 +216,24 @@ fn a_frame_in_parts_counts_once_however_many_segments_it_is_written_to() {
         assert!(files > 1 || spill == u64::MAX, "{files} files, spilled at {spill}");
     }
 }
+
+#[test]
+fn a_shard_in_parts_is_the_shard() {
+    let mut rng = Pcg32::seed_from_u64(7);
+    let files: Vec<Vec<u8>> = (0..6).map(|_| write(&random_triangles(&mut rng, 2 * SHARD, 2000))).collect();
+    let segments: Vec<_> = files.iter().map(|bytes| open(bytes).unwrap()).collect();
+    let whole = merge_shard(&segments, 1).unwrap();
+    let (need, least) = (merge_need(&segments, 1), merge_least(&segments, 1));
+    assert!(!whole.more && least < need);
+    let mut last = usize::MAX;
+    for room in [0, least, (least + need) / 2, need - 1, need] {
+        let parts = merge_parts(&segments, 1, room).unwrap();
+        assert!(parts.iter().all(|(_, held)| *held <= room.max(least)), "{parts:?} of {room}");
+        let maps: Vec<ShardMaps> =
+            parts.iter().map(|(part, _)| merge_part(&segments, 1, part.clone()).unwrap()).collect();
+        assert!(maps.iter().rev().skip(1).all(|maps| maps.more) && !maps[maps.len() - 1].more);
+        assert!(maps.into_iter().flat_map(|maps| maps.triangles).eq(whole.triangles.iter().cloned()), "{room}");
+        assert!(parts.len() <= last && (parts.len() > 1) == (room < need), "{} of {room}", parts.len());
+        last = parts.len();
+    }
+}

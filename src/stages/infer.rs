@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
+use super::shards::Inferred;
 use super::{Choice, Fault};
 use crate::base::Result;
 use crate::flow::{Map, Outlet, Reservation};
@@ -84,7 +85,7 @@ impl Config {
     }
 }
 
-/// Turns the maps of a shard into materials.
+/// Turns the maps of a shard, or of a part of one, into materials.
 pub struct Infer<'a> {
     /// The network.
     pub estimator: &'a dyn Estimator,
@@ -116,7 +117,7 @@ impl Infer<'_> {
 
 impl Map for Infer<'_> {
     type In = (ShardMaps, Reservation);
-    type Out = ShardRows;
+    type Out = Inferred;
     type Scratch = Scratch;
 
     fn scratch(&self) -> Result<Scratch> {
@@ -127,7 +128,7 @@ impl Map for Infer<'_> {
         &self,
         scratch: &mut Scratch,
         (shard, memory): (ShardMaps, Reservation),
-        out: &mut Outlet<'_, ShardRows>,
+        out: &mut Outlet<'_, Inferred>,
     ) -> Result<()> {
         let enough = |map: &SparseMap| map.bins.len() >= self.min_bins.max(1);
         let mut rows: Vec<Row> = Vec::with_capacity(shard.triangles.len());
@@ -143,11 +144,11 @@ impl Map for Infer<'_> {
                 rows[*slot].1 = material.to_array();
             }
         }
-        let number = shard.shard;
+        let (number, more) = (shard.shard, shard.more);
         // What waits for its turn is the rows alone.
         drop(asked);
         drop((shard, memory));
-        out.send(ShardRows { shard: number, rows })
+        out.send(Inferred { rows: ShardRows { shard: number, rows }, more })
     }
 }
 

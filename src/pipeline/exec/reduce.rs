@@ -12,7 +12,7 @@ use crate::pipeline::report::Shards as ShardCounts;
 use crate::pipeline::scene::Loaded;
 use crate::pipeline::share::InferInputs;
 use crate::pipeline::{resume, shards};
-use crate::shard::merge_need;
+use crate::shard::{merge_least, merge_need};
 use crate::stages::gather::Group;
 use crate::stages::infer::Infer;
 use crate::stages::merge::{self, Materials, TABLES};
@@ -61,13 +61,13 @@ impl Run<'_> {
         manifest: &mut Manifest,
     ) -> Result<()> {
         let segments = segments(&*self.store, manifest, groups)?;
-        let shard = shards.iter().map(|s| merge_need(&segments, s.number)).max().unwrap_or(0);
-        let inputs = InferInputs { shard, ..self.plan.infer };
+        let most = |need: fn(&[_], u32) -> u64| shards.iter().map(|s| need(&segments, s.number)).max().unwrap_or(0);
+        let inputs = InferInputs { shard: most(merge_need), least: most(merge_least), ..self.plan.infer };
         let share = inputs.share(self.budget.left()).map_err(|missing| self.budget.missing("infer", missing))?;
         let held = self.budget.reserve("infer", share.inferring)?;
         let (min_bins, batch) = (self.pipeline.merge.min_bins as usize, share.batch);
         let budget = self.budget.clone();
-        let merged = Merged { segments: &segments, shards, budget: &budget };
+        let merged = Merged { segments: &segments, shards, budget: &budget, room: share.room() };
         let flow = Flow::source(&self.stop, "shards", merged)
             .map("infer", Infer { estimator, min_bins, batch }, share.workers, QUEUE)
             .fold("keep", Keep::new(shards, Arc::clone(&self.store), manifest), QUEUE);

@@ -136,7 +136,16 @@ pub fn sync(folder: &Path) -> Result<()> {
     Ok(())
 }
 
-fn remove(path: &Path) -> Result<()> {
+/// Removes a folder with all that is in it, if it is there.
+pub fn remove_all(path: &Path) -> Result<()> {
+    match fs::remove_dir_all(path) {
+        Err(why) if why.kind() != ErrorKind::NotFound => Err(Error::io("remove", path)(why)),
+        _ => Ok(()),
+    }
+}
+
+/// Removes a file, if it is there.
+pub fn remove(path: &Path) -> Result<()> {
     match fs::remove_file(path) {
         Err(why) if why.kind() != ErrorKind::NotFound => Err(Error::io("remove", path)(why)),
         _ => Ok(()),

@@ -10,8 +10,10 @@
 //! DIR/city.json                configuration and version, written last: what lacks it is unfinished
 //! ```
 //!
-//! The city is made block by block, each from (seed, column, row) alone, so that towns of millions of triangles cost
-//! time and memory in proportion. The same configuration gives the same bytes for any number of threads.
+//! The city is made block by block, each from (seed, column, row) alone: once to be counted, once more to be written. The
+//! mesh is held while it is written; photographs are taken of what is mapped. What they need besides, the scene cache and
+//! each triangle's share of the sky, is in `DIR/unfinished` until all are taken, so that a making that was interrupted goes on
+//! where it was. The same configuration gives the same bytes for any number of threads.
 
 mod block;
 mod building;
@@ -20,6 +22,7 @@ mod flight;
 mod folder;
 mod greenery;
 mod palette;
+mod sky;
 mod street;
 mod surface;
 mod town;
@@ -36,6 +39,7 @@ use crate::base::{Error, Result};
 use crate::render::Lighting;
 use crate::scene::frame::Frame;
 use crate::scene::light::Sun;
+use crate::scene::survey::{Polygons, Survey};
 use crate::scene::{Material, Mesh};
 use surface::Surface;
 use town::{Town, Use};
@@ -54,15 +58,56 @@ pub struct City {
 /// # Errors
 /// A configuration out of range.
 pub fn build(config: &CityConfig) -> Result<City> {
+    let survey = survey(config)?;
+    let mut materials = Vec::with_capacity(survey.triangles());
+    let mesh = fill(config, survey, &mut |some| {
+        materials.extend_from_slice(some);
+        Ok(())
+    })?;
+    Ok(City { mesh, materials })
+}
+
+/// Makes the blocks once to find out how much they come to.
+fn survey(config: &CityConfig) -> Result<Survey> {
     config.check()?;
+    let mut survey = Survey::default();
+    each_block(config, &mut |block| {
+        tell(block, 0, &mut survey);
+        Ok(())
+    })?;
+    Ok(survey)
+}
+
+/// Makes the blocks again for the mesh, and hands their materials on in the order of its triangles. Besides the mesh, no more
+/// than a few blocks are held.
+fn fill(config: &CityConfig, survey: Survey, materials: &mut dyn FnMut(&[Material]) -> Result<()>) -> Result<Mesh> {
+    let no_mesh = |why| Error::invalid(format!("city: {why}"));
+    let mut filling = survey.filling().map_err(no_mesh)?;
+    let mut first = 0;
+    each_block(config, &mut |block| {
+        tell(block, first, &mut filling);
+        first += block.vertices.len() as u32;
+        materials(&block.materials)
+    })?;
+    filling.finish().map_err(no_mesh)
+}
+
+/// Blocks that are made, and held, at a time.
+const AT_ONCE: usize = 32;
+
+/// Makes all blocks and hands them on in their order.
+fn each_block(config: &CityConfig, take: &mut dyn FnMut(&Surface) -> Result<()>) -> Result<()> {
     let (town, cell) = plan(config);
-    let parts: Vec<Surface> = town.blocks().into_par_iter().map(|at| block::build(&town, at, cell)).collect();
-    let mut surface = Surface::default();
-    for part in &parts {
-        surface.append(part);
-    }
-    let mesh = Mesh::new(&surface.vertices, surface.triangles).map_err(|e| Error::invalid(format!("city: {e}")))?;
-    Ok(City { mesh, materials: surface.materials })
+    town.blocks().chunks(AT_ONCE).try_for_each(|some| {
+        let made: Vec<Surface> = some.par_iter().map(|&at| block::build(&town, at, cell)).collect();
+        made.iter().try_for_each(&mut *take)
+    })
+}
+
+/// Tells of a block before which there are `first` vertices.
+fn tell(block: &Surface, first: u32, to: &mut impl Polygons) {
+    block.vertices.iter().for_each(|&at| to.vertex(at));
+    block.triangles.iter().for_each(|corners| to.triangle(corners.map(|i| i + first)));
 }
 
 /// The light that a city stands in, all of the sky seen from everywhere.

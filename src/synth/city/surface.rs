@@ -45,16 +45,6 @@ pub struct Surface {
     pub materials: Vec<Material>,
 }
 
-impl Surface {
-    /// Adds another surface's triangles after one's own.
-    pub fn append(&mut self, other: &Surface) {
-        let first = self.vertices.len() as u32;
-        self.vertices.extend_from_slice(&other.vertices);
-        self.triangles.extend(other.triangles.iter().map(|t| t.map(|i| i + first)));
-        self.materials.extend_from_slice(&other.materials);
-    }
-}
-
 /// An axis-parallel rectangle on the ground of a block, metres from the block's corner.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rect {

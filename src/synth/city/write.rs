@@ -2,25 +2,34 @@
 
 use std::fs;
 use std::path::Path;
+use std::sync::Arc;
 
 use rayon::prelude::*;
 use serde_json::json;
 
 use super::folder::{self, Found, Summary};
-use super::{City, CityConfig, build, flight, lighting, plan};
-use crate::base::{Error, Result};
+use super::{CityConfig, fill, flight, lighting, plan, sky, survey};
+use crate::base::{Array, Error, Result, memory};
+use crate::cache::{self, Cached};
 use crate::codec::colmap::{self, Encoding};
-use crate::codec::{image, npy, ply};
-use crate::disk::write_atomic;
-use crate::render::{Lighting, relight, sky_visibility};
+use crate::codec::npy::{self, NpyWriter};
+use crate::codec::{image, ply};
+use crate::disk::{DirStore, Store, write_atomic};
+use crate::render::{Lighting, relight};
 use crate::scene::Material;
-use crate::trace::Bvh;
+use crate::scene::frame::Frame;
 
-/// Rays a triangle that find its share of the sky.
-const SKY_RAYS: u32 = 64;
+/// The folder of what photographs are taken with; there while the city is being made.
+const UNFINISHED: &str = "unfinished/";
+/// The scene cache in it.
+const CACHE: &str = "unfinished/scene.cache";
+/// The mesh.
+const MESH: &str = "mesh.ply";
+/// Its materials.
+const MATERIALS: &str = "truth/materials.npy";
 
 /// Makes a city in a folder, unless it is there already: finished, and from the same configuration. `stop` is asked
-/// between photographs; those that are there are kept the next time.
+/// between photographs, and between the parts of what they are taken with; what is there is kept the next time.
 ///
 /// # Errors
 /// A configuration out of range; a folder that holds something that is not a city; a file that cannot be written;
@@ -44,7 +53,7 @@ pub fn generate(folder: &Path, config: &CityConfig, stop: &dyn Fn() -> bool) -> 
 }
 
 fn make(dir: &Path, config: &CityConfig, stop: &dyn Fn() -> bool) -> Result<Summary> {
-    let city = build(config)?;
+    let store = DirStore::new(dir);
     let goes_on = folder::owned(dir, config);
     if !goes_on {
         folder::begin(dir)?;
@@ -55,40 +64,76 @@ fn make(dir: &Path, config: &CityConfig, stop: &dyn Fn() -> bool) -> Result<Summ
     }
     if !goes_on {
         folder::sweep(&dir.join("images"), "frame_", |_| false)?;
+        folder::remove(&dir.join(MESH))?;
+        folder::remove(&dir.join(MATERIALS))?;
+        folder::remove_all(&dir.join(UNFINISHED))?;
         folder::own(dir, config)?;
     }
-    let path = dir.join("mesh.ply");
-    write_atomic(&path, |mut out| ply::write_mesh(&mut out, &city.mesh, &[]).map_err(Error::io("write", &path)))?;
-    let bvh = Bvh::build(&city.mesh);
-    let mut light = lighting(config);
-    write_truth(&dir.join("truth"), &city, &light)?;
-    light.visibility = sky_visibility(&city.mesh, &bvh, light.up, SKY_RAYS);
+    store.sweep()?;
+    let light = lighting(config);
+    write_light(&dir.join("truth/light.json"), &light)?;
+    let frames = flight::frames(config, &plan(config).0, config.supersampling);
+    folder::sweep(&dir.join("images"), "frame_", |name| frames.iter().any(|f| f.name == name))?;
+    let missing: Vec<&Frame> = frames.iter().filter(|f| !dir.join("images").join(&f.name).exists()).collect();
+
+    let written = dir.join(MESH).exists() && dir.join(MATERIALS).exists();
+    let mut cached = if missing.is_empty() { None } else { cache::open(&store, CACHE).ok() };
+    if !written || (cached.is_none() && !missing.is_empty()) {
+        write_surface(dir, &store, config, stop)?;
+        cached = Some(cache::open(&store, CACHE)?);
+    }
+    let materials = npy::view(Arc::new(store.open(MATERIALS)?), &store.path(MATERIALS))?;
+    if let Some(cached) = cached.filter(|_| !missing.is_empty()) {
+        let shares = sky::shares(&store, UNFINISHED, &cached.mesh, &cached.bvh, light.up, stop)?;
+        let light = Lighting { visibility: shares, ..light };
+        take(&dir.join("images"), config, &missing, &cached, &materials, &light, stop)?;
+    }
     let frames = super::frames(config);
-    write_images(&dir.join("images"), config, &city, &bvh, &light, stop)?;
     colmap::write_model(&dir.join("sparse/0"), &frames, Encoding::Binary)?;
-    let summary = Summary { triangles: city.mesh.len() as u64, frames: frames.len() as u64, reused: false };
+    let summary = Summary { triangles: materials.len() as u64, frames: frames.len() as u64, reused: false };
     folder::sync(&dir.join("sparse/0"))?;
+    folder::remove_all(&dir.join(UNFINISHED))?;
     folder::finish(dir, config, summary)?;
     Ok(summary)
 }
 
-/// Renders, encodes and writes the photographs that are not there yet.
-fn write_images(
+/// Makes the mesh and writes it, its materials, and what it is cast with. It is not held afterwards.
+fn write_surface(dir: &Path, store: &DirStore, config: &CityConfig, stop: &dyn Fn() -> bool) -> Result<()> {
+    let survey = survey(config)?;
+    let path = dir.join(MATERIALS);
+    let failed = |why| Error::io("write", &path)(why);
+    let mut mesh = None;
+    write_atomic(&path, |out| {
+        let mut rows = NpyWriter::new(out, &[survey.triangles(), Material::LEN]).map_err(failed)?;
+        mesh = Some(fill(config, survey, &mut |some| rows.write(bytemuck::cast_slice(some)).map_err(failed))?);
+        rows.finish().map(drop).map_err(failed)
+    })?;
+    let Some(mesh) = mesh else { return Err(Error::invalid("no mesh was made")) };
+    let path = dir.join(MESH);
+    write_atomic(&path, |mut out| ply::write_mesh(&mut out, &mesh, &[]).map_err(Error::io("write", &path)))?;
+    folder::remove(&store.path(CACHE))?;
+    cache::write(&mesh, store, CACHE, stop)?;
+    drop(mesh);
+    memory::trim();
+    Ok(())
+}
+
+/// Renders, encodes and writes photographs.
+fn take(
     dir: &Path,
     config: &CityConfig,
-    city: &City,
-    bvh: &Bvh,
+    frames: &[&Frame],
+    scene: &Cached,
+    materials: &Array<[f32; Material::LEN]>,
     light: &Lighting,
     stop: &dyn Fn() -> bool,
 ) -> Result<()> {
     let n = config.supersampling;
-    let frames = flight::frames(config, &plan(config).0, n);
-    folder::sweep(dir, "frame_", |name| frames.iter().any(|f| f.name == name))?;
-    for frame in frames.iter().filter(|frame| !dir.join(&frame.name).exists()) {
+    for frame in frames {
         if stop() {
             return Err(Error::Interrupted);
         }
-        let mut picture = relight(&city.mesh, bvh, &city.materials, frame, light)?;
+        let mut picture = relight(&scene.mesh, &scene.bvh, bytemuck::cast_slice(materials), frame, light)?;
         if n > 1 {
             picture = picture.shrink(n);
         }
@@ -98,18 +143,10 @@ fn write_images(
     Ok(())
 }
 
-/// The materials and the light.
-fn write_truth(dir: &Path, city: &City, light: &Lighting) -> Result<()> {
-    let path = dir.join("materials.npy");
-    let values: Vec<f32> = city.materials.iter().flat_map(|m| m.to_array()).collect();
-    write_atomic(&path, |out| {
-        npy::write_f32(out, &[city.materials.len(), Material::LEN], &values).map_err(Error::io("write", &path))?;
-        Ok(())
-    })?;
-    let path = dir.join("light.json");
+fn write_light(path: &Path, light: &Lighting) -> Result<()> {
     let text = json!({
         "sun": { "direction": light.sun.direction.to_array(), "color": light.sun.color.to_array() },
         "sky": light.sky.to_array(),
     });
-    write_atomic(&path, |out| writeln!(out, "{text:#}").map_err(Error::io("write", &path)))
+    write_atomic(path, |out| writeln!(out, "{text:#}").map_err(Error::io("write", path)))
 }

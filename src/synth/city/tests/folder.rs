@@ -87,16 +87,60 @@ fn an_interrupted_city_keeps_its_photographs() {
     let dir = tempfile::tempdir().unwrap();
     // Photographs of another city are there under the same names.
     generate_if_needed(dir.path(), &small(5), GO_ON).unwrap();
-    let asked = std::cell::Cell::new(0);
-    let after_one = || asked.replace(asked.get() + 1) > 0;
-    assert!(generate_if_needed(dir.path(), &small(6), &after_one).unwrap_err().is_interrupt());
     let images = dir.path().join("images");
+    let after_one = || folder::owned(dir.path(), &small(6)) && images.join("frame_000.jpg").exists();
+    assert!(generate_if_needed(dir.path(), &small(6), &after_one).unwrap_err().is_interrupt());
     assert_eq!(fs::read_dir(&images).unwrap().count(), 1);
     let first = fs::metadata(images.join("frame_000.jpg")).unwrap().modified().unwrap();
     fs::write(images.join("frame_001.jpg.7-0.gonio-tmp"), b"left").unwrap();
     generate_if_needed(dir.path(), &small(6), GO_ON).unwrap();
     assert_eq!(fs::metadata(images.join("frame_000.jpg")).unwrap().modified().unwrap(), first);
     assert_eq!(files(dir.path()), files(whole.path()));
+}
+
+#[test]
+fn whenever_it_is_interrupted_it_goes_on_and_nothing_is_made_twice() {
+    let whole = tempfile::tempdir().unwrap();
+    generate_if_needed(whole.path(), &small(6), GO_ON).unwrap();
+    let dir = tempfile::tempdir().unwrap();
+    let made = |name: &str| fs::metadata(dir.path().join(name)).and_then(|m| m.modified()).ok();
+    // Each making is stopped one question later than the one before, until one gets to its end.
+    let mut makings = 0;
+    loop {
+        let before = ["mesh.ply", "unfinished/scene.cache", "unfinished/sky"].map(made);
+        let asked = std::cell::Cell::new(0);
+        let stop = || asked.replace(asked.get() + 1) >= makings;
+        let done = generate_if_needed(dir.path(), &small(6), &stop);
+        makings += 1;
+        if done.is_ok() {
+            break;
+        }
+        assert!(done.unwrap_err().is_interrupt());
+        let after = ["mesh.ply", "unfinished/scene.cache", "unfinished/sky"].map(made);
+        // Without a cache the mesh is made once more; with one, nothing is that was there.
+        if before[1].is_some() {
+            assert!(before.iter().zip(&after).all(|(b, a)| b.is_none() || b == a), "making {makings}");
+        }
+    }
+    assert!(makings > 3, "{makings}");
+    assert_eq!(files(dir.path()), files(whole.path()));
+}
+
+#[test]
+fn what_it_is_rendered_with_is_made_again_if_it_is_torn() {
+    let whole = tempfile::tempdir().unwrap();
+    generate_if_needed(whole.path(), &small(6), GO_ON).unwrap();
+    for name in ["scene.cache", "sky", "sky.0"] {
+        let dir = tempfile::tempdir().unwrap();
+        let after_one = || dir.path().join("images/frame_000.jpg").exists();
+        assert!(generate_if_needed(dir.path(), &small(6), &after_one).unwrap_err().is_interrupt());
+        let torn = dir.path().join("unfinished").join(name);
+        let mut bytes = fs::read(&torn).unwrap();
+        bytes[100] ^= 1;
+        fs::write(&torn, bytes).unwrap();
+        generate_if_needed(dir.path(), &small(6), GO_ON).unwrap();
+        assert_eq!(files(dir.path()), files(whole.path()), "{name}");
+    }
 }
 
 #[test]
