@@ -8,7 +8,7 @@ use std::path::Path;
 use criterion::{Criterion, SamplingMode, Throughput, criterion_group, criterion_main};
 use gonio::model::{self, Backend, ModelSource};
 use gonio::scene::Material;
-use gonio::scene::reflectance::{BINS, FRONT_BINS};
+use gonio::scene::reflectance::{Bin, BinSum, FRONT_BINS, SparseMap};
 
 const MAPS: usize = 512;
 /// Bins that a map fills; the median of real scenes.
@@ -21,14 +21,14 @@ fn infer(criterion: &mut Criterion) {
     let backends = if library { &[Backend::Embedded, Backend::OnnxRuntime][..] } else { &[Backend::Embedded] };
     for &backend in backends {
         let model = model::load(&source, backend, None).expect("the model loads");
-        let channels = model.contract().channels;
-        let mut maps = vec![0.0; MAPS * channels * BINS];
-        for (i, map) in maps.chunks_exact_mut(channels * BINS).enumerate() {
-            for n in 0..FILLED {
-                let bin = (i * 37 + n * 211) % FRONT_BINS;
-                (0..channels).for_each(|c| map[c * BINS + bin] = if c == 3 { 1.0 } else { 0.1 + 0.01 * n as f32 });
-            }
-        }
+        let map = |i: usize| {
+            let mut bins: Vec<_> =
+                (0..FILLED).map(|n| ((i * 37 + n * 211) % FRONT_BINS, 0.1 + 0.01 * n as f32)).collect();
+            bins.sort_unstable_by_key(|bin| bin.0);
+            SparseMap { bins: bins.into_iter().map(|(b, v)| (b as Bin, BinSum::one([v; 3], false))).collect() }
+        };
+        let maps: Vec<SparseMap> = (0..MAPS).map(map).collect();
+        let maps: Vec<&SparseMap> = maps.iter().collect();
         let lights = vec![0.6; if model.contract().light { MAPS * 3 } else { 0 }];
         let mut group = criterion.benchmark_group(format!("infer/{backend}"));
         group.throughput(Throughput::Elements(MAPS as u64)).sampling_mode(SamplingMode::Flat).sample_size(20);
@@ -40,7 +40,7 @@ fn infer(criterion: &mut Criterion) {
                     let share = MAPS / threads;
                     std::thread::scope(|scope| {
                         for (i, (session, out)) in sessions.iter_mut().zip(out.chunks_mut(share)).enumerate() {
-                            let maps = &maps[i * share * channels * BINS..][..share * channels * BINS];
+                            let maps = &maps[i * share..][..share];
                             let lights = (!lights.is_empty()).then(|| &lights[i * share * 3..][..share * 3]);
                             scope.spawn(move || session.estimate(maps, lights, out).expect("an estimate"));
                         }

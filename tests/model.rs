@@ -7,13 +7,13 @@
     reason = "a test fails by panicking, and says what it skips"
 )]
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use gonio::base::Result;
 use gonio::model::{self, Backend, Estimator, ModelSource};
 use gonio::scene::Material;
-use gonio::scene::reflectance::Kind;
-use gonio::scene::reflectance::{BINS, FRONT_BINS};
+use gonio::scene::reflectance::{Bin, BinSum, FRONT_BINS, Kind, SparseMap};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
@@ -38,39 +38,36 @@ fn backends() -> Vec<Backend> {
     vec![Backend::Embedded, Backend::OnnxRuntime]
 }
 
-/// A model of each make: a convolution, a set of bins, a light, and what is shipped.
+/// A model of each make: a convolution, a set of bins taken out of a dense map, one of bins, a light, and what is shipped.
 fn sound() -> Vec<ModelSource> {
     let shipped = model::BUILT_IN.iter().map(|m| ModelSource::named(m.name, Path::new("")));
-    ["conv4", "set4", "light3"].map(tiny).into_iter().chain(shipped).collect()
+    ["conv4", "set4", "bins7", "light3"].map(tiny).into_iter().chain(shipped).collect()
 }
 
 /// Maps as scenes fill them: a few front bins each; the first is empty, the second full.
-fn maps(count: usize, channels: usize) -> Vec<f32> {
+fn maps(count: usize) -> Vec<SparseMap> {
     let mut random = Pcg64Mcg::seed_from_u64(7);
-    let mut maps = vec![0.0; count * channels * BINS];
-    for (i, map) in maps.chunks_exact_mut(channels * BINS).enumerate() {
+    let map = |i: usize| {
         let filled = [0, FRONT_BINS].get(i).copied().unwrap_or_else(|| random.random_range(3..60));
-        for n in 0..filled {
-            let bin = if filled == FRONT_BINS { n } else { random.random_range(0..FRONT_BINS) };
-            for c in 0..channels {
-                map[c * BINS + bin] = if c == 3 { 1.0 } else { random.random_range(0.0..1.0) };
-            }
-        }
-    }
-    maps
+        let bins: BTreeSet<usize> =
+            (0..filled).map(|n| if filled == FRONT_BINS { n } else { random.random_range(0..FRONT_BINS) }).collect();
+
+        let mut seen = || BinSum::one([0.0; 3].map(|_: f32| random.random_range(0.0..1.0)), false);
+        SparseMap { bins: bins.into_iter().map(|bin| (bin as Bin, seen())).collect() }
+    };
+    (0..count).map(map).collect()
 }
 
 /// Estimates in batches of this size, each batch in a session of its own.
-fn estimate(model: &dyn Estimator, maps: &[f32], batch: usize) -> Vec<[f32; 7]> {
-    let map = model.contract().channels * BINS;
+fn estimate<'a>(model: &dyn Estimator, maps: impl IntoIterator<Item = &'a SparseMap>, batch: usize) -> Vec<[f32; 7]> {
+    let maps: Vec<&SparseMap> = maps.into_iter().collect();
     // The light follows from the map, wherever the map lies in a batch.
-    let light = |m: &[f32]| [0.0, 0.6, if m.iter().filter(|v| **v > 0.0).count() % 2 == 0 { 0.8 } else { -0.8 }];
-    let lights: Vec<f32> = maps.chunks_exact(map).flat_map(light).collect();
-    let mut out = vec![Material::default(); maps.len() / map];
-    for (i, out) in out.chunks_mut(batch).enumerate() {
-        let lights = &lights[i * batch * 3..][..out.len() * 3];
-        let lights = model.contract().light.then_some(lights);
-        model.session().unwrap().estimate(&maps[i * batch * map..][..out.len() * map], lights, out).unwrap();
+    let light = |m: &&SparseMap| [0.0, 0.6, if m.bins.len().is_multiple_of(2) { 0.8 } else { -0.8 }];
+    let mut out = vec![Material::default(); maps.len()];
+    for (maps, out) in maps.chunks(batch).zip(out.chunks_mut(batch)) {
+        let lights: Vec<f32> = maps.iter().flat_map(light).collect();
+        let lights = model.contract().light.then_some(lights.as_slice());
+        model.session().unwrap().estimate(maps, lights, out).unwrap();
     }
     out.into_iter().map(Material::to_array).collect()
 }
@@ -81,16 +78,14 @@ fn bits_do_not_depend_on_the_batch_or_the_neighbours() {
         for source in sound() {
             let model = load(&source, backend).unwrap();
             let name = model.describe();
-            let maps = maps(67, model.contract().channels);
+            let maps = maps(67);
             let alone = estimate(&*model, &maps, 1);
             for batch in [7, 64] {
                 assert_eq!(alone, estimate(&*model, &maps, batch), "{name}, {batch} at once");
             }
             // Each row of a micro-batch in turn: the first maps move along by one.
-            let map = model.contract().channels * BINS;
             for shift in 1..model.micro_batch() {
-                let moved: Vec<f32> = maps[..shift * map].iter().chain(&maps[..8 * map]).copied().collect();
-                let moved = estimate(&*model, &moved, shift + 8);
+                let moved = estimate(&*model, maps[..shift].iter().chain(&maps[..8]), shift + 8);
                 assert_eq!(alone[..8], moved[shift..], "{name}, moved by {shift}");
             }
             assert!(alone.windows(2).any(|w| w[0] != w[1]), "{name} does not look at its maps");
@@ -106,7 +101,7 @@ fn engines_agree() {
             .iter()
             .map(|b| {
                 let model = load(&source, *b).unwrap();
-                estimate(&*model, &maps(20, model.contract().channels), 20)
+                estimate(&*model, &maps(20), 20)
             })
             .collect();
         for other in &results[1..] {
@@ -133,7 +128,7 @@ fn a_process_holds_one_library() {
 fn workers_share_an_estimator() {
     for backend in backends() {
         let model = load(&tiny("set4"), backend).unwrap();
-        let maps = maps(20, 4);
+        let maps = maps(20);
         let alone = estimate(&*model, &maps, 20);
         std::thread::scope(|s| {
             let workers: Vec<_> = (0..4).map(|_| s.spawn(|| estimate(&*model, &maps, 5))).collect();
@@ -160,7 +155,7 @@ fn broken_contracts_are_refused_in_words() {
         ("bare_training", "gonio.training is 3; it must be one JSON object"),
         ("no_metadata", "the metadata gonio.kind is missing"),
         ("no_version", "the metadata gonio.version is missing"),
-        ("rows_61", "the input is map f32 [N, 4, 61, 120]; needed: map f32 [N, 3 or 4, 60, 120]"),
+        ("rows_61", "the input is map f32 [N, 4, 61, 120]; needed: map f32 [N, 3 or 4, 60, 120] or bins f32 [N, S, 7]"),
         ("channels_5", "the input is map f32 [N, 5, 60, 120]; needed"),
         ("outputs_8", "the output is mu f32 [N, 8]; needed"),
         ("fixed_batch", "map f32 [1, 4, 60, 120]; needed: map f32 [N, 3 or 4, 60, 120]"),
@@ -172,6 +167,10 @@ fn broken_contracts_are_refused_in_words() {
         ("weights_outside", "lies in another file; export the model with all weights inside"),
         ("nan_on_empty", "map 0 of this batch has kd_r = NaN; the contract wants [0, 1]"),
         ("out_of_range", "the contract wants [0, 1]"),
+        ("bins_8", "the input is bins f32 [N, S, 8]; needed"),
+        ("fixed_bins", "the input is bins f32 [N, 24, 7]; needed"),
+        ("no_bins", "the metadata gonio.bins is missing; a model with the input bins says there how many"),
+        ("bins_zero", "the metadata gonio.bins is \"0\"; a model"),
         ("two_rows_a_map", "mu came out as"),
     ];
     for backend in backends() {
@@ -194,15 +193,14 @@ fn a_model_of_the_other_kind_is_refused_where_it_matters() {
 fn calls_that_do_not_fit_are_refused() {
     let four = load(&tiny("conv4"), Backend::Embedded).unwrap();
     let light = load(&tiny("light3"), Backend::Embedded).unwrap();
-    let (map4, map3) = (vec![0.0; 4 * BINS], vec![0.0; 3 * BINS]);
-    let mut out = [Material::default()];
+    let map = SparseMap::default();
     for (model, maps, lights, words) in [
-        (&four, &map3, None, "28800 a map are needed"),
-        (&four, &map4, Some(&[0.0; 3][..]), "takes no light"),
-        (&light, &map3, None, "needs a light of 3 values beside each map; 0 values came"),
-        (&light, &map3, Some(&[0.0; 2][..]), "2 values came"),
+        (&four, &[][..], None, "0 maps came for 1 materials"),
+        (&four, &[&map][..], Some(&[0.0; 3][..]), "takes no light"),
+        (&light, &[&map], None, "needs a light of 3 values beside each map; 0 values came"),
+        (&light, &[&map], Some(&[0.0; 2][..]), "2 values came"),
     ] {
-        let said = model.session().unwrap().estimate(maps, lights, &mut out).unwrap_err().to_string();
+        let said = model.session().unwrap().estimate(maps, lights, &mut [Material::default()]).unwrap_err().to_string();
         assert!(said.contains(words), "{said}");
     }
     four.session().unwrap().estimate(&[], None, &mut []).unwrap();

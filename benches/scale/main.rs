@@ -6,7 +6,7 @@
 //! cargo bench --bench scale -- --work DIR --triangles 10000000 --frames 2000 --memory 3GiB --kills 10
 //! ```
 //!
-//! Cities are kept in DIR and used again. The table goes to standard output, and every figure as a line of JSON to `--out`.
+//! One city of the most frames is made, kept in DIR and used again; fewer frames are spread over its flight. The table goes to standard output, and every figure as a line of JSON to `--out`.
 #![expect(clippy::print_stdout, clippy::print_stderr, reason = "a bench is a program")]
 
 mod process;
@@ -17,7 +17,9 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use clap::Parser;
-use process::gonio;
+use gonio::codec::colmap::{self, Encoding};
+use gonio::scene::frame::Frame;
+use process::{Ran, gonio};
 use serde_json::{Value, json};
 
 /// Whole runs on cities of any size.
@@ -65,8 +67,9 @@ fn main() -> io::Result<()> {
         "| triangles | frames | city | load | build | cast | infer | merge | export | all | peak memory | disk | a kill costs |"
     );
     println!("|---|---|---|---|---|---|---|---|---|---|---|---|---|");
+    let city = City::make(&options, work)?;
     for &frames in &options.frames {
-        let figures = measure(&options, work, frames)?;
+        let figures = measure(&options, work, &city, frames)?;
         println!("{}", row(&figures));
         if let Some(out) = &options.out {
             writeln!(OpenOptions::new().create(true).append(true).open(out)?, "{figures}")?;
@@ -75,15 +78,41 @@ fn main() -> io::Result<()> {
     Ok(())
 }
 
-/// Makes the city, runs on it, and runs again with kills.
-fn measure(options: &Options, work: &Path, frames: u32) -> io::Result<Value> {
+/// A city that runs are made on.
+struct City {
+    folder: PathBuf,
+    /// What making it took, if it was not there.
+    made: Ran,
+}
+
+impl City {
+    /// Makes it, with as many frames as the largest run wants.
+    fn make(options: &Options, work: &Path) -> io::Result<City> {
+        let Options { triangles, width, height, .. } = options;
+        let frames = options.frames.iter().max().copied().unwrap_or(1);
+        let folder = work.join(format!("city-{triangles}x{frames}-{width}x{height}"));
+        let args = format!("--triangles {triangles} --frames {frames} --width {width} --height {height}");
+        let made = gonio(&format!("synth city --out {} {args} --supersampling 1", folder.display()), None)?.whole()?;
+        Ok(City { folder, made })
+    }
+
+    /// Writes a model of so many of its frames, spread over the flight.
+    fn model(&self, frames: u32, folder: &Path) -> io::Result<()> {
+        let all = colmap::read_model(&self.folder.join("sparse/0")).map_err(Error::other)?;
+        let spread: Vec<Frame> = (0..frames as usize).map(|i| all[i * all.len() / frames as usize].clone()).collect();
+        fs::create_dir_all(folder)?;
+        colmap::write_model(folder, &spread, Encoding::Binary).map_err(Error::other)
+    }
+}
+
+/// Runs on a city, and runs again with kills.
+fn measure(options: &Options, work: &Path, city: &City, frames: u32) -> io::Result<Value> {
     let Options { triangles, width, height, memory, threads, kills, .. } = options;
     let name = format!("{triangles}x{frames}-{width}x{height}");
-    let city = work.join(format!("city-{name}"));
-    let args = format!("--triangles {triangles} --frames {frames} --width {width} --height {height}");
-    let made = gonio(&format!("synth city --out {} {args} --supersampling 1", city.display()), None)?.whole()?;
+    let model = work.join(format!("sparse-{name}"));
+    city.model(frames, &model)?;
     let file = work.join(format!("{name}.toml"));
-    fs::write(&file, pipeline(&city, memory, *threads))?;
+    fs::write(&file, pipeline(&city.folder, &model, memory, *threads))?;
     let run = |folder: &Path| format!("run {} --set run.work={}", file.display(), folder.display());
 
     let folder = work.join(format!("run-{name}"));
@@ -92,7 +121,7 @@ fn measure(options: &Options, work: &Path, frames: u32) -> io::Result<Value> {
     let report: Value = serde_json::from_slice(&fs::read(folder.join("report.json"))?)?;
     let mut figures = json!({
         "triangles": report["triangles"]["total"], "frames": frames, "size": [width, height], "memory": memory,
-        "threads": threads, "city_seconds": made.wall.as_secs_f64(), "city_peak": made.peak,
+        "threads": threads, "city_seconds": city.made.wall.as_secs_f64(), "city_peak": city.made.peak,
         "seconds": whole.wall.as_secs_f64(), "peak": whole.peak, "disk": size(&folder)?, "report": report,
     });
     if *kills > 0 {
@@ -116,12 +145,13 @@ fn measure(options: &Options, work: &Path, frames: u32) -> io::Result<Value> {
     Ok(figures)
 }
 
-fn pipeline(city: &Path, memory: &str, threads: u32) -> String {
+fn pipeline(city: &Path, model: &Path, memory: &str, threads: u32) -> String {
     format!(
         "[scene]\nmesh = \"{0}/mesh.ply\"\nimages = \"{0}/images\"\n\
-         poses = {{ format = \"colmap\", path = \"{0}/sparse/0\" }}\n\
+         poses = {{ format = \"colmap\", path = \"{1}\" }}\n\
          [run]\nwork = \"unused\"\nmemory = \"{memory}\"\nthreads = {threads}\n",
-        city.display()
+        city.display(),
+        model.display()
     )
 }
 

@@ -35,10 +35,6 @@ pub fn table(plan: &Plan, room: &Room, estimator: &str) -> String {
             lines.add(format!("  {:13}{:>9}{:>8}{memory:>12}{short}", stage.name, stage.workers, stage.queue));
         }
     }
-    let asked = plan.infer.batch as u64;
-    if plan.batch < asked {
-        lines.row("batch", format!("{} of {asked} maps: memory", plan.batch));
-    }
     let (too_large, needs) = i.too_large;
     if too_large > 0 {
         lines.row(

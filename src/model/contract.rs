@@ -1,7 +1,9 @@
-//! What an ONNX file must say before it is run. Inputs `map` f32 [N, C, 60, 120], C = 3 or 4, and optionally `light` f32
-//! [N, 3]; one output `mu` f32 [N, 7]; N symbolic; all weights inside the file; metadata `gonio.kind` = lobe | sphere,
-//! `gonio.version`, and `gonio.training`, a JSON object. Nothing else is accepted.
+//! What an ONNX file must say before it is run. One of the inputs `map` f32 [N, C, 60, 120], C = 3 or 4, and `bins` f32
+//! [N, S, 7]; optionally `light` f32 [N, 3]; one output `mu` f32 [N, 7]; N and S symbolic; all weights inside the file;
+//! metadata `gonio.kind` = lobe | sphere, `gonio.version`, `gonio.training`, a JSON object, and with `bins` also
+//! `gonio.bins`, the most filled bins that the model takes. Nothing else is accepted.
 
+use std::fmt;
 use std::path::{Path, PathBuf};
 
 use tract_onnx::pb::tensor_proto::{DataLocation, DataType};
@@ -12,7 +14,7 @@ use tract_onnx::prelude::Framework;
 
 use crate::base::{Error, Result};
 use crate::scene::Material;
-use crate::scene::reflectance::{COLUMNS, Kind, ROWS};
+use crate::scene::reflectance::{COLUMNS, FRONT_BINS, Kind, ROWS};
 
 /// What a model eats, and what it says of itself.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,14 +23,39 @@ pub struct Contract {
     pub model: PathBuf,
     /// The maps that it eats.
     pub kind: Kind,
-    /// Channels of a map: 3 (rgb), or 4 (rgb, then 1 where a bin has evidence).
-    pub channels: usize,
+    /// The form in which it eats them.
+    pub input: Input,
     /// Whether it wants the direction to the sun beside each map.
     pub light: bool,
     /// `gonio.version`.
     pub version: String,
     /// `gonio.training`: data, samples, seed, metrics.
     pub training: serde_json::Value,
+}
+
+/// The form in which a model eats maps.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Input {
+    /// `map`: every bin, [C, 60, 120]. C is 3 (rgb), or 4 (rgb, then 1 where a bin has evidence).
+    Dense {
+        /// C.
+        channels: usize,
+    },
+    /// `bins`: the filled bins alone, [S, 7]: the unit direction at the bin's centre, rgb, observations. Rows of zeros
+    /// fill it up.
+    Bins {
+        /// The most of them that the model takes, `gonio.bins`.
+        most: usize,
+    },
+}
+
+impl fmt::Display for Input {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Input::Dense { channels } => write!(f, "{channels} channels"),
+            Input::Bins { most } => write!(f, "up to {most} bins"),
+        }
+    }
 }
 
 impl Contract {
@@ -59,7 +86,7 @@ impl Contract {
 
     fn check(model: &Path, proto: &ModelProto, graph: &GraphProto) -> Result<Contract, String> {
         weights_inside(graph, proto)?;
-        let (channels, light) = inputs(graph)?;
+        let (form, light) = inputs(graph)?;
         output(graph)?;
         let metadata = |key: &str| {
             let found = proto.metadata_props.iter().find(|p| p.key == key).map(|p| p.value.as_str());
@@ -78,9 +105,16 @@ impl Contract {
         if !training.is_object() {
             return Err(format!("the metadata gonio.training is {training}; it must be one JSON object"));
         }
-        Ok(Contract { model: model.to_owned(), kind, channels, light, version, training })
+        let input = match form {
+            Form::Dense(channels) => Input::Dense { channels },
+            Form::Bins => Input::Bins { most: most_bins(metadata("gonio.bins").ok())? },
+        };
+        Ok(Contract { model: model.to_owned(), kind, input, light, version, training })
     }
 }
+
+/// Values of a bin: direction, rgb, observations.
+pub(super) const BIN: usize = 7;
 
 /// A dimension: named, so that it can take any size, or fixed.
 #[derive(PartialEq)]
@@ -90,29 +124,52 @@ enum Size {
     Unknown,
 }
 
-const NEEDED: &str = "needed: map f32 [N, 3 or 4, 60, 120], optionally light f32 [N, 3], and mu f32 [N, 7] out";
+const NEEDED: &str =
+    "needed: map f32 [N, 3 or 4, 60, 120] or bins f32 [N, S, 7], optionally light f32 [N, 3], and mu f32 [N, 7] out";
 
-/// Channels, and whether there is a light.
-fn inputs(graph: &GraphProto) -> Result<(usize, bool), String> {
-    let (mut channels, mut light) = (None, false);
+/// What the graph says of how it eats maps.
+enum Form {
+    Dense(usize),
+    Bins,
+}
+
+/// The form of the maps, and whether there is a light.
+fn inputs(graph: &GraphProto) -> Result<(Form, bool), String> {
+    let (mut form, mut light) = (None, false);
     for input in graph.input.iter().filter(|i| graph.initializer.iter().all(|w| w.name != i.name)) {
         let (f32s, shape) = shape(input);
         let found = || format!("the input {}; {NEEDED}", words(input));
-        match (input.name.as_str(), shape.as_slice()) {
+        let n = match (input.name.as_str(), shape.as_slice()) {
             ("map", [n, Size::Fixed(c @ 3..=4), Size::Fixed(rows), Size::Fixed(columns)])
-                if f32s && [*rows, *columns] == [ROWS as i64, COLUMNS as i64] =>
+                if f32s && form.is_none() && [*rows, *columns] == [ROWS as i64, COLUMNS as i64] =>
             {
-                batch(n).map_err(|why| format!("{}, {why}", found()))?;
-                channels = Some(*c as usize);
+                form = Some(Form::Dense(*c as usize));
+                n
+            }
+            ("bins", [n, Size::Named, Size::Fixed(width)]) if f32s && form.is_none() && *width == BIN as i64 => {
+                form = Some(Form::Bins);
+                n
             }
             ("light", [n, Size::Fixed(3)]) if f32s => {
-                batch(n).map_err(|why| format!("{}, {why}", found()))?;
                 light = true;
+                n
             }
             _ => return Err(found()),
+        };
+        if *n != Size::Named {
+            return Err(format!("{}, where N has a name and no size: export the model with a dynamic batch", found()));
         }
     }
-    channels.map(|c| (c, light)).ok_or_else(|| format!("no input is called map; {NEEDED}"))
+    form.map(|form| (form, light)).ok_or_else(|| format!("no input is called map or bins; {NEEDED}"))
+}
+
+/// `gonio.bins`.
+fn most_bins(found: Option<&str>) -> Result<usize, String> {
+    let number = found.and_then(|text| text.parse().ok()).filter(|n| (1..=FRONT_BINS).contains(n));
+    number.ok_or_else(|| {
+        let found = found.map_or("missing".to_owned(), |text| format!("{text:?}"));
+        format!("the metadata gonio.bins is {found}; a model with the input bins says there how many it takes, 1 to {FRONT_BINS}")
+    })
 }
 
 fn output(graph: &GraphProto) -> Result<(), String> {
@@ -126,10 +183,6 @@ fn output(graph: &GraphProto) -> Result<(), String> {
         [only] if fits(only) => Ok(()),
         _ => Err(format!("the output {}; {NEEDED}", found.join(" and "))),
     }
-}
-
-fn batch(n: &Size) -> Result<(), &'static str> {
-    (*n == Size::Named).then_some(()).ok_or("where N has a name and no size: export the model with a dynamic batch")
 }
 
 /// Whether a value is f32, and its shape; an empty one if it says none.

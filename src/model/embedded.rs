@@ -1,82 +1,97 @@
-//! tract, the built-in engine. It is slower on larger batches than on single maps, so maps go through one by one, which
-//! also makes each independent of the others.
+//! tract, the built-in engine.
 
 use std::collections::HashMap;
 use std::sync::Arc;
 
 use tract_onnx::pb::ModelProto;
 use tract_onnx::prelude::{
-    Framework, InferenceModelExt, IntoRunnable, Symbol, TDim, Tensor, ToDim, TractError, TypedRunnableModel, tvec,
+    Framework, InferenceModelExt, IntoRunnable, Symbol, TDim, Tensor, ToDim, TractError, TypedModel,
+    TypedRunnableModel, tvec,
 };
 
-use super::contract::Contract;
-use super::onnx::{Engine, guarded};
+use super::contract::{Contract, Input};
+use super::onnx::{Engine, Maps, guarded};
 use crate::scene::Material;
-use crate::scene::reflectance::{COLUMNS, ROWS};
 
-/// Maps at once.
-pub(super) const MICRO_BATCH: usize = 1;
+/// Maps at once. Convolutions are slower on larger batches; the products of sets of bins are several times faster.
+pub(super) fn micro_batch(input: Input) -> usize {
+    match input {
+        Input::Dense { .. } => 1,
+        Input::Bins { .. } => 16,
+    }
+}
 
 /// The engine and its version, for the log and the key.
 pub(super) const VERSION: &str = "tract 0.23.9";
 
-/// A model made ready, its weights packed once; sessions share it.
+/// A model made ready for each size of map, its weights packed once; sessions share it.
 #[derive(Clone)]
 pub(super) struct Plan {
+    sized: Arc<[Sized]>,
+}
+
+/// A model made ready for one size of map.
+struct Sized {
     model: Arc<TypedRunnableModel>,
     /// The shape of each input, in the graph's order.
     inputs: Vec<Vec<usize>>,
 }
 
 impl Plan {
-    /// Optimises a model for [`MICRO_BATCH`] maps. Says why it cannot.
+    /// Optimises a model for [`micro_batch`] maps of each size. Says why it cannot.
     pub(super) fn new(contract: &Contract, proto: &ModelProto) -> Result<Plan, String> {
         guarded(|| {
             let said = |e: TractError| format!("{e:#}");
             // Shapes that the file notes for intermediate values may contradict a fixed batch: keep N symbolic until typed.
             let typed = tract_onnx::onnx().model_for_proto_model(proto).map_err(said)?.into_typed().map_err(said)?;
-            let (mut sizes, mut inputs) = (HashMap::<Symbol, TDim>::new(), Vec::new());
-            for input in 0..typed.inputs.len() {
-                let fact = typed.input_fact(input).map_err(said)?;
-                let shape = match fact.rank() {
-                    4 => vec![MICRO_BATCH, contract.channels, ROWS, COLUMNS],
-                    _ => vec![MICRO_BATCH, 3],
-                };
-                for (declared, &size) in fact.shape.iter().zip(&shape) {
-                    let bound = match declared {
-                        TDim::Sym(name) => &*sizes.entry(name.clone()).or_insert_with(|| size.to_dim()),
-                        fixed => fixed,
-                    };
-                    if *bound != size.to_dim() {
-                        return Err(format!(
-                            "input {input} is declared {:?}, and {shape:?} does not fit it",
-                            fact.shape
-                        ));
-                    }
-                }
-                inputs.push(shape);
-            }
-            let bound = typed.set_symbols(&sizes).map_err(said)?;
-            let model = bound.into_optimized().and_then(|m| m.into_runnable()).map_err(said)?;
-            Ok(Plan { model, inputs })
+            let sizes = contract.input.sizes();
+            let sized = sizes.into_iter().map(|size| Sized::new(contract, &typed, size)).collect::<Result<_, _>>()?;
+            Ok(Plan { sized })
         })
     }
 }
 
+impl Sized {
+    fn new(contract: &Contract, typed: &TypedModel, size: usize) -> Result<Sized, String> {
+        let said = |e: TractError| format!("{e:#}");
+        let batch = micro_batch(contract.input);
+        let (mut sizes, mut inputs) = (HashMap::<Symbol, TDim>::new(), Vec::new());
+        for input in 0..typed.inputs.len() {
+            let fact = typed.input_fact(input).map_err(said)?;
+            let shape = if fact.rank() > 2 { contract.shape(batch, size) } else { vec![batch, 3] };
+            for (declared, &size) in fact.shape.iter().zip(&shape) {
+                let bound = match declared {
+                    TDim::Sym(name) => &*sizes.entry(name.clone()).or_insert_with(|| size.to_dim()),
+                    fixed => fixed,
+                };
+                if *bound != size.to_dim() {
+                    return Err(format!("input {input} is declared {:?}, and {shape:?} does not fit it", fact.shape));
+                }
+            }
+            inputs.push(shape);
+        }
+        let bound = typed.clone().set_symbols(&sizes).map_err(said)?;
+        let model = bound.into_optimized().and_then(|m| m.into_runnable()).map_err(said)?;
+        Ok(Sized { model, inputs })
+    }
+}
+
 impl Engine for Plan {
-    fn run(&mut self, maps: &[f32], lights: &[f32], mu: &mut [f32]) -> Result<(), String> {
+    fn run(&mut self, maps: Maps<'_>, mu: &mut [f32]) -> Result<(), String> {
+        let Sized { model, inputs } = &self.sized[maps.size];
         guarded(|| {
             let said = |e: TractError| format!("{e:#}");
             let mut values = tvec![];
-            for shape in &self.inputs {
-                let array = if shape.len() == 4 { maps } else { lights };
+            for shape in inputs {
+                let array = if shape.len() > 2 { maps.values } else { maps.lights };
                 values.push(Tensor::from_shape(shape, array).map_err(said)?.into());
             }
-            let outputs = self.model.run(values).map_err(said)?;
+            let outputs = model.run(values).map_err(said)?;
             let found = outputs[0].to_plain_array_view::<f32>().map_err(said)?;
+            let needed = [mu.len() / Material::LEN, Material::LEN];
             match found.as_slice() {
-                Some(row) if found.shape() == [MICRO_BATCH, Material::LEN] => mu.copy_from_slice(row),
-                _ => return Err(format!("mu came out as {:?}, and {:?} is needed", found.shape(), [1, Material::LEN])),
+                Some(rows) if found.shape() == needed => mu.copy_from_slice(rows),
+                _ => return Err(format!("mu came out as {:?}, and {needed:?} is needed", found.shape())),
             }
             Ok(())
         })

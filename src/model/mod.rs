@@ -6,7 +6,7 @@
 //!   what was found and what is needed. [`load`] also tries the model once, on an empty map.
 //! - A map's material has the same bits whatever maps lie beside it, however many are given at once, and whichever
 //!   session takes it: an engine always sees one fixed number of maps ([`Estimator::micro_batch`]), the rest of them
-//!   empty, and runs on the caller's thread alone.
+//!   empty, in a shape that depends on the map alone (`pack`), and runs on the caller's thread alone.
 //! - The two engines agree to 1e-4, not to the bit, nor does one engine to the bit on processors of other instruction
 //!   sets. What is made with a model is therefore known by its [`Estimator::key`] and its [`Estimator::engine`].
 //! - Memory is bounded by the model: its file (at most 1 GiB) and a few copies of its weights, plus the activations of
@@ -18,6 +18,7 @@ mod elf;
 mod embedded;
 mod library;
 mod onnx;
+mod pack;
 mod runtime;
 mod source;
 
@@ -27,13 +28,14 @@ use std::str::FromStr;
 
 use serde::Serialize;
 
-pub use contract::Contract;
+pub use contract::{Contract, Input};
 pub use source::{BUILT_IN, BuiltIn, ModelSource};
 
 use crate::base::Result;
 use crate::base::key::Key;
 use crate::base::units::Bytes;
 use crate::scene::Material;
+use crate::scene::reflectance::SparseMap;
 
 /// What turns reflectance maps into materials. Shared by all workers; each makes its own [`Session`].
 pub trait Estimator: Send + Sync {
@@ -64,15 +66,14 @@ pub trait Estimator: Send + Sync {
 
 /// One worker's way through the model.
 pub trait Session: Send {
-    /// Estimates `n = out.len()` materials.
+    /// Estimates the material of each of `maps`, as many as `out` has.
     ///
-    /// `maps` is `[n, C, 60, 120]`, C the contract's channels: linear radiance, empty bins 0, then, if C is 4, 1 where a
-    /// bin has evidence. `lights` is `[n, 3]`, unit vectors to the sun in each map's frame; given just when the contract
-    /// says so. Components come out in [0, 1].
+    /// `lights` is `[n, 3]`, unit vectors to the sun in each map's frame; given just when the contract says so.
+    /// Components come out in [0, 1].
     ///
     /// # Errors
     /// Lengths that do not fit, a failing engine, or a component that is no number or outside [0, 1] by over 1e-4.
-    fn estimate(&mut self, maps: &[f32], lights: Option<&[f32]>, out: &mut [Material]) -> Result<()>;
+    fn estimate(&mut self, maps: &[&SparseMap], lights: Option<&[f32]>, out: &mut [Material]) -> Result<()>;
 }
 
 /// Which engine runs the model.

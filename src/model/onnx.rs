@@ -1,5 +1,5 @@
-//! An ONNX model on an engine. Maps are cut into micro-batches of one fixed size, the last filled up with empty maps, so
-//! that the engine always does the same arithmetic in the same order.
+//! An ONNX model on an engine. Maps of a size go together, in micro-batches of one fixed count, the last filled up with
+//! empty maps, so that the engine always does the same arithmetic in the same order.
 
 use std::any::Any;
 use std::borrow::Cow;
@@ -15,12 +15,22 @@ use crate::base::key::{Key, KeyBuilder};
 use crate::base::units::Bytes;
 use crate::base::{Error, Result};
 use crate::scene::Material;
-use crate::scene::reflectance::BINS;
+use crate::scene::reflectance::{Bin, BinSum, SparseMap};
 
-/// Runs one micro-batch: `maps` `[m, C, 60, 120]` and `lights` `[m, 3]` (empty if the model takes none) into `mu`
-/// `[m, 7]`. Says why it could not.
+/// A micro-batch as a model eats it.
+#[derive(Clone, Copy)]
+pub(super) struct Maps<'a> {
+    /// The place of their size among the sizes of the input.
+    pub size: usize,
+    /// The maps, as [`Contract::shape`] says.
+    pub values: &'a [f32],
+    /// `[m, 3]`; empty if the model takes none.
+    pub lights: &'a [f32],
+}
+
+/// Runs one micro-batch into `mu` `[m, 7]`. Says why it could not.
 pub(super) trait Engine: Send {
-    fn run(&mut self, maps: &[f32], lights: &[f32], mu: &mut [f32]) -> Result<(), String>;
+    fn run(&mut self, maps: Maps<'_>, mu: &mut [f32]) -> Result<(), String>;
 }
 
 /// Runs an engine's code; its panic becomes an error like any other.
@@ -51,9 +61,13 @@ pub(super) fn load(source: &ModelSource, backend: Backend, library: Option<&Path
         }
     };
     let model = OnnxModel { key, contract, size, note, on };
-    let mut tried = [Material::default()];
-    let light = model.contract.light.then_some(UP.as_slice());
-    model.session()?.estimate(&vec![0.0; model.contract.channels * BINS], light, &mut tried)?;
+    // An empty map, and one of every size.
+    let bins = |count: usize| SparseMap { bins: (0..count).map(|b| (b as Bin, BinSum::default())).collect() };
+    let maps: Vec<SparseMap> = [0].into_iter().chain(model.contract.input.sizes()).map(bins).collect();
+    let lights = UP.repeat(if model.contract.light { maps.len() } else { 0 });
+    let lights = model.contract.light.then_some(lights.as_slice());
+    let maps: Vec<&SparseMap> = maps.iter().collect();
+    model.session()?.estimate(&maps, lights, &mut vec![Material::default(); maps.len()])?;
     Ok(Box::new(model))
 }
 
@@ -82,9 +96,9 @@ impl Estimator for OnnxModel {
     }
 
     fn describe(&self) -> String {
-        let Contract { model, kind, channels, light, version, .. } = &self.contract;
+        let Contract { model, kind, input, light, version, .. } = &self.contract;
         let light = if *light { " and light" } else { "" };
-        let model = format!("{} version {version} ({kind}, {channels} channels{light})", model.display());
+        let model = format!("{} version {version} ({kind}, {input}{light})", model.display());
         let place = match &self.on {
             On::Embedded(_) => ", built in".to_owned(),
             On::Runtime { library, .. } => format!(" from {}", library.path.display()),
@@ -107,7 +121,7 @@ impl Estimator for OnnxModel {
 
     fn micro_batch(&self) -> usize {
         match self.on {
-            On::Embedded(_) => embedded::MICRO_BATCH,
+            On::Embedded(_) => embedded::micro_batch(self.contract.input),
             On::Runtime { .. } => runtime::MICRO_BATCH,
         }
     }
@@ -134,12 +148,11 @@ impl Estimator for OnnxModel {
             }
         };
         let batch = self.micro_batch();
-        let lights = if self.contract.light { batch * UP.len() } else { 0 };
         Ok(Box::new(OnnxSession {
             contract: self.contract.clone(),
             batch,
-            maps: vec![0.0; batch * self.contract.channels * BINS],
-            lights: vec![0.0; lights],
+            values: Vec::new(),
+            lights: Vec::new(),
             mu: vec![0.0; batch * Material::LEN],
             engine,
         }))
@@ -149,47 +162,68 @@ impl Estimator for OnnxModel {
 struct OnnxSession {
     contract: Contract,
     batch: usize,
-    /// One micro-batch, for the chunk that does not fill it.
-    maps: Vec<f32>,
+    /// One micro-batch.
+    values: Vec<f32>,
     lights: Vec<f32>,
     mu: Vec<f32>,
     engine: Box<dyn Engine>,
 }
 
 impl Session for OnnxSession {
-    fn estimate(&mut self, maps: &[f32], lights: Option<&[f32]>, out: &mut [Material]) -> Result<()> {
-        let wrong = |found: String| Error::malformed(&self.contract.model, found);
-        let map = self.contract.channels * BINS;
-        if maps.len() != out.len() * map {
-            return Err(wrong(format!(
-                "{} values of maps for {} materials; {map} a map are needed",
-                maps.len(),
-                out.len()
-            )));
-        }
-        let light = lights.map_or(0, |_| UP.len());
-        if lights.is_some() != self.contract.light || lights.is_some_and(|l| l.len() != out.len() * light) {
-            let needed =
-                if self.contract.light { "needs a light of 3 values beside each map" } else { "takes no light" };
-            return Err(wrong(format!("the model {needed}; {} values came", lights.map_or(0, <[f32]>::len))));
-        }
-        let lights = lights.unwrap_or_default();
-        for (chunk, out) in out.chunks_mut(self.batch).enumerate() {
-            let (first, n) = (chunk * self.batch, out.len());
-            let (mut maps, mut lights) = (&maps[first * map..][..n * map], &lights[first * light..][..n * light]);
-            if n < self.batch {
-                self.maps[..n * map].copy_from_slice(maps);
-                self.maps[n * map..].fill(0.0);
-                self.lights[..n * light].copy_from_slice(lights);
-                self.lights[n * light..].chunks_exact_mut(UP.len()).for_each(|l| l.copy_from_slice(&UP));
-                (maps, lights) = (&self.maps, &self.lights);
-            }
-            self.engine.run(maps, lights, &mut self.mu).map_err(wrong)?;
-            for (row, (out, mu)) in out.iter_mut().zip(self.mu.chunks_exact(Material::LEN)).enumerate() {
-                *out = material(mu).map_err(|found| wrong(format!("map {} of {found}", first + row)))?;
+    fn estimate(&mut self, maps: &[&SparseMap], lights: Option<&[f32]>, out: &mut [Material]) -> Result<()> {
+        self.check(maps.len(), lights, out.len())?;
+        let lights = lights.unwrap_or_default().as_chunks().0;
+        let input = self.contract.input;
+        for (size, bins) in input.sizes().into_iter().enumerate() {
+            let alike: Vec<usize> = (0..maps.len()).filter(|&i| input.size_of(maps[i]) == size).collect();
+            for chunk in alike.chunks(self.batch) {
+                self.run(size, input.values(bins), chunk, maps, lights)?;
+                for (&i, mu) in chunk.iter().zip(self.mu.chunks_exact(Material::LEN)) {
+                    let fault = |found| Error::malformed(&self.contract.model, format!("map {i} of {found}"));
+                    out[i] = material(mu).map_err(fault)?;
+                }
             }
         }
         Ok(())
+    }
+}
+
+impl OnnxSession {
+    /// Whether there is an answer, and a light if one is wanted, for each of `maps` maps.
+    fn check(&self, maps: usize, lights: Option<&[f32]>, answers: usize) -> Result<()> {
+        let wrong = |found: String| Err(Error::malformed(&self.contract.model, found));
+        if maps != answers {
+            return wrong(format!("{maps} maps came for {answers} materials"));
+        }
+        if lights.is_some() != self.contract.light || lights.is_some_and(|l| l.len() != maps * UP.len()) {
+            let needed =
+                if self.contract.light { "needs a light of 3 values beside each map" } else { "takes no light" };
+            return wrong(format!("the model {needed}; {} values came", lights.map_or(0, <[f32]>::len)));
+        }
+        Ok(())
+    }
+
+    /// Runs one micro-batch of maps of a size, `each` values long.
+    fn run(
+        &mut self,
+        size: usize,
+        each: usize,
+        chosen: &[usize],
+        maps: &[&SparseMap],
+        lights: &[[f32; 3]],
+    ) -> Result<()> {
+        self.values.clear();
+        self.values.resize(self.batch * each, 0.0);
+        for (&i, values) in chosen.iter().zip(self.values.chunks_exact_mut(each)) {
+            self.contract.input.write(maps[i], values);
+        }
+        self.lights.clear();
+        if self.contract.light {
+            self.lights.extend(chosen.iter().flat_map(|&i| lights[i]));
+            self.lights.extend(UP.repeat(self.batch - chosen.len()));
+        }
+        let batch = Maps { size, values: &self.values, lights: &self.lights };
+        self.engine.run(batch, &mut self.mu).map_err(|found| Error::malformed(&self.contract.model, found))
     }
 }
 

@@ -4,11 +4,10 @@ use ort::session::Session;
 use ort::session::builder::GraphOptimizationLevel;
 use ort::value::TensorRef;
 
-use super::contract::Contract;
+use super::contract::{Contract, Input};
 use super::library::Library;
-use super::onnx::{Engine, guarded};
+use super::onnx::{Engine, Maps, guarded};
 use crate::scene::Material;
-use crate::scene::reflectance::{COLUMNS, ROWS};
 
 /// Maps at once.
 pub(super) const MICRO_BATCH: usize = 16;
@@ -16,7 +15,9 @@ pub(super) const MICRO_BATCH: usize = 16;
 /// One session.
 pub(super) struct OnnxRuntime {
     session: Session,
-    maps: [usize; 4],
+    /// The name of the input of maps, and its shape for each size.
+    input: &'static str,
+    shapes: Vec<Vec<usize>>,
     light: bool,
 }
 
@@ -32,19 +33,24 @@ impl OnnxRuntime {
             let mut builder = builder.with_intra_op_spinning(false).map_err(|e| e.to_string())?;
             builder.commit_from_memory(bytes).map_err(|e| e.to_string())
         })?;
-        let maps = [MICRO_BATCH, contract.channels, ROWS, COLUMNS];
-        Ok(OnnxRuntime { session, maps, light: contract.light })
+        let input = match contract.input {
+            Input::Dense { .. } => "map",
+            Input::Bins { .. } => "bins",
+        };
+        let shapes = contract.input.sizes().into_iter().map(|size| contract.shape(MICRO_BATCH, size)).collect();
+        Ok(OnnxRuntime { session, input, shapes, light: contract.light })
     }
 }
 
 impl Engine for OnnxRuntime {
-    fn run(&mut self, maps: &[f32], lights: &[f32], mu: &mut [f32]) -> Result<(), String> {
-        let OnnxRuntime { session, maps: shape, light } = self;
+    fn run(&mut self, maps: Maps<'_>, mu: &mut [f32]) -> Result<(), String> {
+        let OnnxRuntime { session, input, shapes, light } = self;
+        let shape = shapes[maps.size].as_slice();
         guarded(|| {
             let said = |e: ort::Error| e.to_string();
-            let mut inputs = ort::inputs!["map" => TensorRef::from_array_view((*shape, maps)).map_err(said)?];
+            let mut inputs = ort::inputs![*input => TensorRef::from_array_view((shape, maps.values)).map_err(said)?];
             if *light {
-                let lights = TensorRef::from_array_view(([MICRO_BATCH, 3], lights)).map_err(said)?;
+                let lights = TensorRef::from_array_view(([MICRO_BATCH, 3], maps.lights)).map_err(said)?;
                 inputs.push(("light".into(), lights.into()));
             }
             let outputs = session.run(inputs).map_err(said)?;

@@ -1,9 +1,10 @@
 //! What a run will take: stages, workers, queues, memory and time, worked out before anything starts.
 //!
-//! Memory is what the run holds at its largest, phase by phase. Where it is short, a phase gets fewer workers and smaller
-//! batches (`share`); a limit that one worker cannot do with is refused. Times are for a run from the start: those of casting
+//! Memory is what the run holds at its largest, phase by phase. Where it is short, a phase gets fewer workers
+//! (`share`); a limit that one worker cannot do with is refused. Times are for a run from the start: those of casting
 //! and inference from trials on this machine (`trial`), the rest from [`BYTES_PER_SECOND`].
 
+use std::collections::BTreeSet;
 use std::time::Instant;
 
 use super::Pipeline;
@@ -20,7 +21,7 @@ use crate::model::{Estimator, Session};
 use crate::scene::Material;
 use crate::scene::evidence::Evidence;
 use crate::scene::frame::Frame;
-use crate::scene::reflectance::{BINS, BinSum, FRONT_BINS};
+use crate::scene::reflectance::{Bin, BinSum, FRONT_BINS, SparseMap};
 use crate::shard::Record;
 use crate::shard::format::SHARD;
 use crate::shard::rows::ROW;
@@ -58,14 +59,10 @@ pub struct Inputs {
     pub mesh: u64,
     /// Whether it is mapped from a cache that is there: then it is neither read nor prepared.
     pub mapped: bool,
-    /// Channels of the model.
-    pub channels: u64,
     /// Bytes that the process holds before it reads a scene, the estimator included.
     pub base: u64,
     /// Bytes that the estimator holds for each worker.
     pub session: u64,
-    /// Maps that go through the estimator at once.
-    pub micro_batch: u64,
     /// What one map takes one worker.
     pub seconds_per_map: f64,
     /// What frames take, where any could be tried.
@@ -123,8 +120,6 @@ pub struct Plan {
     pub cast: CastInputs,
     /// What the infer phase shares its memory by.
     pub infer: InferInputs,
-    /// Maps of a batch.
-    pub batch: u64,
 }
 
 impl Inputs {
@@ -148,10 +143,8 @@ impl Inputs {
             triangles: loaded.mesh.len() as u64,
             mesh: loaded.bytes(),
             mapped: loaded.is_mapped(),
-            channels: estimator.contract().channels as u64,
             base,
             session: (estimator.memory(1).0 - estimator.memory(0).0).max(grown),
-            micro_batch: estimator.micro_batch() as u64,
             seconds_per_map,
             trial: None,
             threads: threads as u64,
@@ -174,20 +167,23 @@ const KEPT: u64 = 24 << 20;
 
 /// What one map takes, seconds: one batch to warm up, then one by the clock. The session is given too, as it is then.
 fn trial(estimator: &dyn Estimator) -> Result<(f64, Box<dyn Session>)> {
-    let (count, size) = (estimator.micro_batch(), estimator.contract().channels * BINS);
-    let mut maps = vec![0.0; count * size];
-    for (n, map) in maps.chunks_exact_mut(size).enumerate() {
-        for bin in (0..USUAL_BINS as usize).map(|i| (n * 37 + i * 211) % FRONT_BINS) {
-            map.iter_mut().skip(bin).step_by(BINS).for_each(|v| *v = 0.5);
-        }
-    }
+    let usual = |n: usize| -> BTreeSet<Bin> {
+        (0..USUAL_BINS as usize).map(|i| ((n * 37 + i * 211) % FRONT_BINS) as Bin).collect()
+    };
+    let seen = BinSum::one([0.5; 3], false);
+    let map = |n: usize| SparseMap { bins: usual(n).into_iter().map(|bin| (bin, seen)).collect() };
+    let maps: Vec<SparseMap> = (0..TRIED.next_multiple_of(estimator.micro_batch())).map(map).collect();
+    let maps: Vec<&SparseMap> = maps.iter().collect();
     let mut session = estimator.session()?;
-    let mut answers = vec![Material::default(); count];
+    let mut answers = vec![Material::default(); maps.len()];
     session.estimate(&maps, None, &mut answers)?;
     let started = Instant::now();
     session.estimate(&maps, None, &mut answers)?;
-    Ok((started.elapsed().as_secs_f64() / count as f64, session))
+    Ok((started.elapsed().as_secs_f64() / maps.len() as f64, session))
 }
+
+/// Maps of a trial.
+const TRIED: usize = 16;
 
 impl Plan {
     /// Plans a run of this pipeline on these inputs.
@@ -208,9 +204,6 @@ impl Plan {
         let shard = u64::from(SHARD).min(i.triangles);
         let infer = InferInputs {
             workers: i.threads as usize,
-            batch: pipeline.infer.batch as usize,
-            micro_batch: i.micro_batch as usize,
-            map: i.channels * (BINS * size_of::<f32>()) as u64,
             session: i.session,
             // Four segments hold a bin, in vectors half full.
             shard: 8 * shard * USUAL_BINS * size_of::<(u16, BinSum)>() as u64,
@@ -227,7 +220,7 @@ impl Plan {
         let building = cache::building(i.triangles, (i.mesh / VERTEX).saturating_sub(i.triangles));
         let seconds = i.trial.map(|trial| i.pixels as f64 * trial.seconds_per_pixel);
         let casting = Phase { mapped: i.mesh + bvh, ..plan_cast(&cast, i.base, limit, seconds) };
-        let (inferring, batch) = plan_infer(&infer, i.base, limit, i.triangles as f64 * i.seconds_per_map);
+        let inferring = plan_infer(&infer, i.base, limit, i.triangles as f64 * i.seconds_per_map);
         let phases = vec![
             alone("load", i.mesh, 0, i.mesh as f64 / BYTES_PER_SECOND),
             alone("build", i.mesh + building, 0, bvh as f64 / BYTES_PER_SECOND),
@@ -259,7 +252,7 @@ impl Plan {
             _ => true,
         };
         let phases = phases.into_iter().filter(done).collect();
-        Plan { inputs, phases, memory: pipeline.run.memory, disk, cast, infer, batch }
+        Plan { inputs, phases, memory: pipeline.run.memory, disk, cast, infer }
     }
 
     /// What the run takes, where all of it could be tried.
@@ -326,8 +319,8 @@ fn plan_cast(inputs: &CastInputs, held: u64, limit: u64, seconds: Option<f64>) -
     Phase { name: "cast", stages, held, mapped: 0, peak, needs: held + missing, seconds }
 }
 
-/// The infer phase, likewise, and the maps of a batch.
-fn plan_infer(inputs: &InferInputs, held: u64, limit: u64, seconds: f64) -> (Phase, u64) {
+/// The infer phase, likewise.
+fn plan_infer(inputs: &InferInputs, held: u64, limit: u64, seconds: f64) -> Phase {
     let left = limit.saturating_sub(held);
     let asked = inputs.workers as u64;
     let missing = inputs.share(0).err().unwrap_or(0);
@@ -342,7 +335,7 @@ fn plan_infer(inputs: &InferInputs, held: u64, limit: u64, seconds: f64) -> (Pha
     ];
     let peak = held + stages.iter().map(|s| s.memory).sum::<u64>();
     let seconds = Some(seconds / workers.max(1) as f64);
-    (Phase { name: "infer", stages, held, mapped: 0, peak, needs: held + missing, seconds }, share.batch as u64)
+    Phase { name: "infer", stages, held, mapped: 0, peak, needs: held + missing, seconds }
 }
 
 /// Bytes of a vertex in memory, and of a triangle.
@@ -372,10 +365,8 @@ mod tests {
         triangles: 250_000,
         mesh: 4_500_000,
         mapped: false,
-        channels: 4,
         base: 50 << 20,
         session: 8 << 20,
-        micro_batch: 1,
         seconds_per_map: 4e-4,
         trial: Some(Trial { seconds_per_pixel: 2.5e-7, records_per_pixel: 0.125 }),
         threads: 2,
@@ -424,7 +415,6 @@ mod tests {
         let (tight, ample) = (plan(crowded, 320), plan(crowded, 1 << 16));
         let workers = |plan: &Plan| phase(plan, "cast").stages[1].workers;
         assert!(workers(&tight) < 16 && workers(&ample) == 16);
-        assert!(tight.batch <= ample.batch && ample.batch == 256);
         // More memory than helps is not taken.
         assert!(ample.peak().0 < 4 << 30);
     }

@@ -100,12 +100,6 @@ impl CastShare {
 pub struct InferInputs {
     /// Workers asked for.
     pub workers: usize,
-    /// Maps of a batch asked for.
-    pub batch: usize,
-    /// Maps that go through the engine at once.
-    pub micro_batch: usize,
-    /// Bytes of a map as the model eats it.
-    pub map: u64,
     /// Bytes of a worker's session.
     pub session: u64,
     /// Bytes that merging and holding the largest shard takes.
@@ -121,38 +115,32 @@ pub struct InferInputs {
 pub struct InferShare {
     /// Workers.
     pub workers: usize,
-    /// Maps of a batch.
-    pub batch: usize,
-    /// Bytes of sessions, batches, stacks, and rows that wait.
+    /// Bytes of sessions, stacks, and rows that wait.
     pub inferring: u64,
     /// Bytes that shards under way may hold.
     pub shards: u64,
 }
 
 impl InferInputs {
-    /// Shares `memory` out. Where a whole shard does not fit beside one worker with the smallest batch, shards come in parts.
+    /// Shares `memory` out. Where a whole shard does not fit beside one worker, shards come in parts.
     ///
     /// # Errors
-    /// How many bytes are missing for one worker with the smallest batch and the smallest parts.
+    /// How many bytes are missing for one worker and the smallest parts.
     pub fn share(&self, memory: u64) -> Result<InferShare, u64> {
-        let smallest = self.batch.min(self.micro_batch).max(1);
-        let fits = |workers: &usize| self.with(*workers, smallest).needs() <= memory;
+        let fits = |workers: &usize| self.with(*workers).needs() <= memory;
         let Some(workers) = (1..=self.workers.max(1)).rev().find(fits) else {
-            let in_parts = InferShare { shards: self.least.min(self.shard), ..self.with(1, smallest) };
+            let in_parts = InferShare { shards: self.least.min(self.shard), ..self.with(1) };
             let left = memory.checked_sub(in_parts.needs()).ok_or_else(|| in_parts.needs() - memory)?;
             return Ok(InferShare { shards: in_parts.shards + left, ..in_parts });
         };
-        let halves = std::iter::successors(Some(self.batch), |batch| Some(batch / 2));
-        let mut sizes = halves.take_while(|batch| *batch > smallest).chain([smallest]);
-        let found = sizes.find(|batch| self.with(workers, *batch).needs() <= memory).unwrap_or(smallest);
-        let share = self.with(workers, found);
+        let share = self.with(workers);
         Ok(InferShare { shards: share.shards + memory - share.needs(), ..share })
     }
 
-    fn with(&self, workers: usize, batch: usize) -> InferShare {
+    fn with(&self, workers: usize) -> InferShare {
         let n = workers as u64;
-        let inferring = n * (self.session + batch as u64 * self.map + STACK) + (3 * n + 2) * self.rows;
-        InferShare { workers, batch, inferring, shards: n * self.shard }
+        let inferring = n * (self.session + STACK) + (3 * n + 2) * self.rows;
+        InferShare { workers, inferring, shards: n * self.shard }
     }
 }
 
@@ -176,16 +164,8 @@ mod tests {
 
     const CAST: CastInputs = CastInputs { workers: 16, frame: 40 * MIB, rows: 20 * MIB, group: 8, tile: 32 };
 
-    const INFER: InferInputs = InferInputs {
-        workers: 16,
-        batch: 256,
-        micro_batch: 16,
-        map: 115_200,
-        session: 8 * MIB,
-        shard: 20 * MIB,
-        least: 2 * MIB,
-        rows: MIB,
-    };
+    const INFER: InferInputs =
+        InferInputs { workers: 16, session: 8 * MIB, shard: 20 * MIB, least: 2 * MIB, rows: MIB };
 
     #[test]
     fn less_memory_means_fewer_workers_and_never_more_than_there_is() {
@@ -220,23 +200,19 @@ mod tests {
         assert_eq!(CAST.share(10 * MIB + missing).unwrap().workers, 1);
         assert_eq!(CAST.share(10 * MIB + missing - 1), Err(1));
         let missing = INFER.share(MIB).unwrap_err();
-        assert_eq!(INFER.share(MIB + missing).map(|s| (s.workers, s.batch, s.shards)), Ok((1, 16, INFER.least)));
+        assert_eq!(INFER.share(MIB + missing).map(|s| (s.workers, s.shards)), Ok((1, INFER.least)));
         assert_eq!(INFER.share(MIB + missing - 1), Err(1));
     }
 
     #[test]
-    fn batches_shrink_after_shards_and_before_workers() {
-        let batches = |memory: u64| INFER.share(memory * MIB).map(|s| (s.workers, s.batch)).unwrap();
-        assert_eq!(batches(100_000), (16, 256));
-        let (workers, batch) = batches(600);
-        assert!(workers == 16 && batch < 256, "{workers} {batch}");
-        assert!(batches(100).0 < 16);
+    fn workers_go_after_the_shards_ahead_of_them() {
+        let workers = |memory: u64| INFER.share(memory * MIB).map(|s| s.workers).unwrap();
+        assert_eq!((workers(100_000), workers(100)), (16, 3));
         // Shards come in parts before nothing goes any more.
-        let scarce = INFER.with(1, 16).needs() - 5 * MIB;
+        let scarce = INFER.with(1).needs() - 5 * MIB;
         assert_eq!(INFER.share(scarce).map(|s| (s.needs(), s.workers, s.room())), Ok((scarce, 1, 15 * MIB)));
         for memory in 40..2000 {
             assert!(INFER.share(memory * MIB).is_ok_and(|s| s.needs() == memory * MIB && s.shards >= INFER.shard));
         }
-        assert_eq!(InferInputs { batch: 7, ..INFER }.share(1 << 40).unwrap().batch, 7);
     }
 }

@@ -11,7 +11,7 @@ use crate::flow::{Map, Outlet, Reservation};
 use crate::model::{BUILT_IN, Backend, Estimator, ModelSource, Session};
 use crate::scene::Material;
 use crate::scene::evidence::{Evidence, Filled};
-use crate::scene::reflectance::{BINS, SparseMap};
+use crate::scene::reflectance::SparseMap;
 use crate::shard::rows::Row;
 use crate::shard::{ShardMaps, ShardRows};
 
@@ -24,7 +24,8 @@ pub struct Config {
     pub backend: Backend,
     /// The ONNX Runtime library to load, in place of `ORT_DYLIB_PATH` and the loader's own path.
     pub library: Option<PathBuf>,
-    /// Maps a batch, 1 to 4,096. The result does not depend on it.
+    /// Maps that the estimator is given at once, 1 to 4,096: it takes those of like size together. The result does not
+    /// depend on it.
     pub batch: u32,
 }
 
@@ -59,7 +60,7 @@ impl Model {
 
 impl Default for Config {
     fn default() -> Self {
-        Config { model: Model::built_in(), backend: Backend::Auto, library: None, batch: 256 }
+        Config { model: Model::built_in(), backend: Backend::Auto, library: None, batch: 4096 }
     }
 }
 
@@ -91,28 +92,14 @@ pub struct Infer<'a> {
     pub estimator: &'a dyn Estimator,
     /// Filled bins that a triangle needs for a material of its own.
     pub min_bins: usize,
-    /// Maps in a batch: bounds memory, and has no influence on the result.
+    /// Maps that the estimator is given at once: the more, the fuller its micro-batches.
     pub batch: usize,
 }
 
 /// What a worker keeps from shard to shard.
 pub struct Scratch {
     session: Box<dyn Session>,
-    maps: Vec<f32>,
     answers: Vec<Material>,
-}
-
-impl Infer<'_> {
-    fn batch(&self, scratch: &mut Scratch, maps: &[&SparseMap]) -> Result<()> {
-        let size = self.estimator.contract().channels * BINS;
-        scratch.maps.clear();
-        scratch.maps.resize(maps.len() * size, 0.0);
-        for (map, dense) in maps.iter().zip(scratch.maps.chunks_exact_mut(size)) {
-            map.write_dense(size / BINS, dense);
-        }
-        scratch.answers.resize(maps.len(), Material::default());
-        scratch.session.estimate(&scratch.maps, None, &mut scratch.answers)
-    }
 }
 
 impl Map for Infer<'_> {
@@ -121,7 +108,7 @@ impl Map for Infer<'_> {
     type Scratch = Scratch;
 
     fn scratch(&self) -> Result<Scratch> {
-        Ok(Scratch { session: self.estimator.session()?, maps: Vec::new(), answers: Vec::new() })
+        Ok(Scratch { session: self.estimator.session()?, answers: Vec::new() })
     }
 
     fn apply(
@@ -139,7 +126,9 @@ impl Map for Infer<'_> {
         let asked: Vec<(usize, &SparseMap)> =
             shard.triangles.iter().map(|t| &t.2).enumerate().filter(|(_, map)| enough(map)).collect();
         for batch in asked.chunks(self.batch.max(1)) {
-            self.batch(scratch, &batch.iter().map(|(_, map)| *map).collect::<Vec<_>>())?;
+            let maps: Vec<&SparseMap> = batch.iter().map(|(_, map)| *map).collect();
+            scratch.answers.resize(maps.len(), Material::default());
+            scratch.session.estimate(&maps, None, &mut scratch.answers)?;
             for ((slot, _), material) in batch.iter().zip(&scratch.answers) {
                 rows[*slot].1 = material.to_array();
             }

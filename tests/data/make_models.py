@@ -1,7 +1,7 @@
 """Writes the tiny ONNX models that the tests load: `python make_models.py`. Random weights, fixed seeds; needs onnx.
 
-conv4 and set4 are small cousins of the networks that gonio ships; light3 takes a light; the rest each break one line of
-the contract, and are named for it."""
+conv4, set4 and bins7 are small cousins of the networks that gonio ships; light3 takes a light; the rest each break one
+line of the contract, and are named for it."""
 
 from pathlib import Path
 
@@ -82,6 +82,16 @@ def set4(points=24, width=19):
     write("set4", g, g.add("Sigmoid", g.dense(x, 2 * width, 7)))
 
 
+def bins7(name="bins7", width=17, shape=("N", "S", 7), metadata=METADATA | {"gonio.bins": "24"}):
+    g = Graph(5)
+    mask = g.add("Cast", g.add("Greater", g.add("Slice", "bins", g.ints(6), g.ints(7), g.ints(2)), g.weight(np.float32(0))),
+                 to=TensorProto.FLOAT)
+    x = g.add("Mul", g.add("Relu", g.dense("bins", shape[2], width)), mask)
+    total, most = g.add("ReduceSum", x, g.ints(1), keepdims=0), g.add("ReduceMax", x, axes=[1], keepdims=0)
+    x = g.add("Concat", g.add("Mul", total, g.weight(np.float32(1 / 24))), most, axis=1)
+    write(name, g, g.add("Sigmoid", g.dense(x, 2 * width, 7)), shape, map_name="bins", metadata=metadata)
+
+
 def pooled(g, channels=4, width=7, source="map"):
     """The smallest graph with the right ends: the mean of each channel, and one dense layer."""
     x = g.add("Flatten", g.add("GlobalAveragePool", source))
@@ -136,10 +146,15 @@ def broken():
     outside.data_location = TensorProto.EXTERNAL
     outside.external_data.add(key="location", value="make_models.py")
     plain("weights_outside", graph=g, mu=x)
+    bins7("bins_8", shape=("N", "S", 8))
+    bins7("fixed_bins", shape=("N", 24, 7))
+    bins7("no_bins", metadata=METADATA)
+    bins7("bins_zero", metadata=METADATA | {"gonio.bins": "0"})
 
 
 if __name__ == "__main__":
     conv4()
     set4()
+    bins7()
     light3()
     broken()

@@ -46,13 +46,11 @@ def to_batch(records: np.ndarray) -> Batch:
     )
 
 
-def dense(batch: Batch) -> np.ndarray:
-    """The maps as the model contract has them, [N, 4, 60, 120]: rgb and coverage."""
-    maps = np.zeros((len(batch.count), 4, BINS), np.float32)
-    for map, count, bins, rgb in zip(maps, batch.count.tolist(), batch.bins.numpy(), batch.rgb.numpy()):
-        map[:3, bins[:count]] = rgb[:count].T
-        map[3, bins[:count]] = 1.0
-    return maps.reshape(-1, 4, ROWS, COLUMNS)
+def sets(batch: Batch) -> np.ndarray:
+    """The maps as the model contract has them, [N, SLOTS, 7]: direction, rgb, 1; rows past a map's count are 0."""
+    mask = torch.arange(SLOTS) < batch.count.unsqueeze(1)
+    bins = torch.cat([directions()[batch.bins], batch.rgb, torch.ones(*batch.bins.shape, 1)], -1)
+    return (bins * mask.unsqueeze(-1)).numpy()
 
 
 def stream(binary: str, seed: int, count: int, batch: int) -> Iterator[Batch]:

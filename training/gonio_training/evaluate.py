@@ -11,7 +11,7 @@ import numpy as np
 import onnx
 import torch
 
-from .data import dense, stream
+from .data import sets, stream
 from .parity import run
 from .train import SIZES, published_loss
 
@@ -43,7 +43,7 @@ def main() -> None:
     print(f"{args.model} says: {json.dumps(told)}")
     answers, truths, counts = [], [], []
     for batch in stream(args.gonio, held_out["held_out_seed"], held_out["held_out"], CHUNK):
-        answers.append(torch.from_numpy(run(args.model, dense(batch))))
+        answers.append(torch.from_numpy(run(args.model, sets(batch))))
         truths.append(batch.material)
         counts.append(batch.count)
     mu, truth, count = torch.cat(answers), torch.cat(truths), torch.cat(counts)

@@ -11,14 +11,14 @@ from pathlib import Path
 import onnx
 import torch
 
-from .data import COLUMNS, ROWS, stream
-from .network import DenseNetwork, SetNetwork
+from .data import SLOTS, stream
+from .network import BinsNetwork, SetNetwork
 from .train import predict, published_loss
 
 OPSET = 18
 # The oldest file format that holds this opset, so that older ONNX Runtimes read the file.
 IR_VERSION = 9
-VERSION = "1"
+VERSION = "2"
 HELD_OUT = 16_384
 
 
@@ -51,14 +51,13 @@ def training(network: SetNetwork, state: dict, binary: str) -> dict:
 def graph(network: SetNetwork) -> onnx.ModelProto:
     """The network behind the contract, without traces of where it was made."""
     # Two maps, not one: a batch of one would be taken as fixed.
-    example = torch.zeros(2, 4, ROWS, COLUMNS)
-    example[:, :, 3, ::7] = 0.5
+    example = torch.full((2, 16, 7), 0.5)
     program = torch.onnx.export(
-        DenseNetwork(network).eval(),
+        BinsNetwork(network).eval(),
         (example,),
-        input_names=["map"],
+        input_names=["bins"],
         output_names=["mu"],
-        dynamic_shapes={"map": {0: torch.export.Dim("N")}},
+        dynamic_shapes={"bins": {0: torch.export.Dim("N"), 1: torch.export.Dim("S")}},
         opset_version=OPSET,
         dynamo=True,
         verbose=False,
@@ -84,7 +83,12 @@ def main() -> None:
     network, state = load(args.checkpoint)
     model = graph(network)
     told = training(network, state, args.gonio)
-    facts = {"gonio.kind": "lobe", "gonio.version": VERSION, "gonio.training": json.dumps(told)}
+    facts = {
+        "gonio.kind": "lobe",
+        "gonio.version": VERSION,
+        "gonio.bins": str(SLOTS),
+        "gonio.training": json.dumps(told),
+    }
     onnx.helper.set_model_props(model, facts)
     onnx.checker.check_model(model, full_check=True)
     args.out.parent.mkdir(parents=True, exist_ok=True)

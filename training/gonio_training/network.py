@@ -8,9 +8,7 @@ import torch
 import torch.nn.functional as F
 from torch import nn
 
-from .data import BINS, COLUMNS, ROWS, SLOTS, directions
-
-FRONT = BINS // 2
+from .data import SLOTS
 
 
 class SetNetwork(nn.Module):
@@ -43,27 +41,14 @@ class SetNetwork(nn.Module):
         return torch.sigmoid(self.head(pooled))
 
 
-class DenseNetwork(nn.Module):
-    """The same network behind the model contract: `map` [N, 4, 60, 120] to `mu` [N, 7].
-
-    Takes the filled bins out of the front half of the map; of more than 64 it keeps those that a fixed shuffle of the
-    bins puts first.
-    """
+class BinsNetwork(nn.Module):
+    """The same network behind the model contract: `bins` [N, S, 7], of which each is a direction, rgb and the number of
+    observations, 0 where there is none, to `mu` [N, 7]."""
 
     def __init__(self, network: SetNetwork) -> None:
         super().__init__()
         self.network = network
-        order = torch.randperm(FRONT, generator=torch.Generator().manual_seed(0))
-        self.register_buffer("priority", (order + 1).float() / FRONT)
-        self.register_buffer("direction", directions()[:FRONT])
 
-    def forward(self, map: torch.Tensor) -> torch.Tensor:
-        front = map[:, :, : ROWS // 2].reshape(-1, 4, FRONT)
-        score, index = torch.topk((front[:, 3] > 0).float() * self.priority, SLOTS, dim=1)
-        mask = (score > 0).float().unsqueeze(-1)
-        rgb = torch.gather(front[:, :3], 2, index.unsqueeze(1).expand(-1, 3, -1)).transpose(1, 2).clamp(0.0, 1.0)
-        direction = F.embedding(index, self.direction)
-        return self.network(direction, rgb, mask)
-
-
-assert FRONT == ROWS // 2 * COLUMNS
+    def forward(self, bins: torch.Tensor) -> torch.Tensor:
+        mask = (bins[:, :, 6:] > 0).float()
+        return self.network(bins[:, :, :3], bins[:, :, 3:6].clamp(0.0, 1.0), mask)

@@ -10,7 +10,7 @@ import numpy as np
 import onnxruntime
 import torch
 
-from .data import Batch, dense, stream
+from .data import SLOTS, Batch, sets, stream
 from .export import load
 from .train import predict
 
@@ -19,11 +19,11 @@ ALLOWED = 1e-5
 
 
 def run(model: Path, maps: np.ndarray, threads: int = 1) -> np.ndarray:
-    """Materials [N, 7] of dense maps [N, 4, 60, 120]."""
+    """Materials [N, 7] of sets of bins [N, S, 7]."""
     options = onnxruntime.SessionOptions()
     options.intra_op_num_threads = threads
     session = onnxruntime.InferenceSession(str(model), options, providers=["CPUExecutionProvider"])
-    parts = [session.run(["mu"], {"map": maps[i : i + 64]})[0] for i in range(0, len(maps), 64)]
+    parts = [session.run(["mu"], {"bins": maps[i : i + 64]})[0] for i in range(0, len(maps), 64)]
     return np.concatenate(parts)
 
 
@@ -37,8 +37,8 @@ def main() -> None:
 
     network, _ = load(args.checkpoint)
     batch: Batch = next(stream(args.gonio, SEED, args.count, args.count))
-    difference = np.abs(run(args.model, dense(batch)) - predict(network, batch).numpy()).max()
-    empty = run(args.model, np.zeros((1, 4, 60, 120), np.float32))
+    difference = np.abs(run(args.model, sets(batch)) - predict(network, batch).numpy()).max()
+    empty = run(args.model, np.zeros((1, SLOTS, 7), np.float32))
     sound = bool(np.isfinite(empty).all() and (empty >= 0).all() and (empty <= 1).all())
     print(f"largest difference of {args.count} maps {difference:.1e}, {ALLOWED:.0e} allowed; empty map sound: {sound}")
     raise SystemExit(0 if difference <= ALLOWED and sound else 1)

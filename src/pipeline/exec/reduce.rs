@@ -65,7 +65,7 @@ impl Run<'_> {
         let inputs = InferInputs { shard: most(merge_need), least: most(merge_least), ..self.plan.infer };
         let share = inputs.share(self.budget.left()).map_err(|missing| self.budget.missing("infer", missing))?;
         let held = self.budget.reserve("infer", share.inferring)?;
-        let (min_bins, batch) = (self.pipeline.merge.min_bins as usize, share.batch);
+        let (min_bins, batch) = (self.pipeline.merge.min_bins as usize, self.pipeline.infer.batch as usize);
         let budget = self.budget.clone();
         let merged = Merged { segments: &segments, shards, budget: &budget, room: share.room() };
         let flow = Flow::source(&self.stop, "shards", merged)
