@@ -5,13 +5,13 @@ use rayon::prelude::*;
 
 use super::environment::{self, Lighting};
 use super::visibility;
-use crate::base::ids::NO_TRIANGLE;
+use crate::base::ids::{NO_TRIANGLE, TriangleId};
 use crate::base::{Error, Result};
 use crate::scene::frame::Frame;
 use crate::scene::reflectance::LobeFrame;
 use crate::scene::view::{Tile, View};
 use crate::scene::{Material, Mesh};
-use crate::trace::{Bvh, Hit, Ray, TileRays};
+use crate::trace::{Bvh, Hit, TileRays, parallel};
 
 /// A rendered image: linear radiance, not clipped.
 #[derive(Debug, Clone, PartialEq)]
@@ -56,14 +56,16 @@ pub fn relight(
     let scene = Shading { mesh, bvh, materials, lighting, offset: visibility::offset(mesh) };
     // A band of tiles at a time: it is a contiguous part of the image.
     rgb.par_chunks_mut((width * SIDE) as usize).enumerate().for_each(|(band, out)| {
-        let mut rays = TileRays::default();
+        let (mut rays, mut sunny) = (TileRays::default(), Sunny::default());
         let y = band as u32 * SIDE;
         for x in (0..width).step_by(SIDE as usize) {
             let tile = Tile { x, y, width: SIDE.min(width - x), height: SIDE.min(height - y) };
             let inside = Tile { y: 0, ..tile };
             for (pixel, direction, hit) in rays.cast(&view, bvh, tile) {
-                out[inside.position(pixel, width)] = scene.radiance(&hit, view.centre(), direction).to_array();
+                let at = inside.position(pixel, width);
+                out[at] = scene.shaded(&hit, view.centre(), direction, at, &mut sunny).to_array();
             }
+            scene.add_sun(&mut sunny, out);
         }
     });
     Ok(Rendering { width, height, rgb })
@@ -77,23 +79,52 @@ struct Shading<'a> {
     offset: f32,
 }
 
+/// What of a tile faces the sun.
+#[derive(Default)]
+struct Sunny {
+    /// Where rays to the sun start.
+    origins: Vec<Vec3>,
+    faces: Vec<Face>,
+    dark: Vec<bool>,
+}
+
+/// A surface as a pixel sees it.
+struct Face {
+    /// The pixel's place in the band.
+    at: usize,
+    triangle: TriangleId,
+    normal: Vec3,
+    /// Towards the eye.
+    wo: Vec3,
+}
+
 impl Shading<'_> {
-    fn radiance(&self, hit: &Hit, eye: Vec3, direction: Vec3) -> Vec3 {
+    /// What is seen there in the shade; what faces the sun is put to the others that do.
+    fn shaded(&self, hit: &Hit, eye: Vec3, direction: Vec3, at: usize, sunny: &mut Sunny) -> Vec3 {
         let Some(normal) = (hit.triangle != NO_TRIANGLE).then(|| self.mesh.normal(hit.triangle)).flatten() else {
             return self.lighting.background;
         };
         let normal = if normal.dot(direction) > 0.0 { -normal } else { normal };
-        let (m, wo) = (&self.materials[hit.triangle as usize], -direction);
-        let ambient = self.lighting.ambient(hit.triangle, m, normal.dot(wo));
+        let wo = -direction;
+        if self.lighting.sun.direction.dot(normal) > 0.0 {
+            sunny.origins.push(eye + direction * hit.t + normal * self.offset);
+            sunny.faces.push(Face { at, triangle: hit.triangle, normal, wo });
+        }
+        self.lighting.ambient(hit.triangle, &self.materials[hit.triangle as usize], normal.dot(wo))
+    }
+
+    /// Adds the sun to what it reaches, and forgets all that faced it.
+    fn add_sun(&self, sunny: &mut Sunny, out: &mut [[f32; 3]]) {
         let sun = &self.lighting.sun;
-        if sun.direction.dot(normal) <= 0.0 {
-            return ambient;
+        sunny.dark.resize(sunny.origins.len(), false);
+        parallel::occluded(self.bvh, sun.direction, &sunny.origins, &mut sunny.dark);
+        for (face, _) in sunny.faces.iter().zip(&sunny.dark).filter(|(_, dark)| !**dark) {
+            let m = &self.materials[face.triangle as usize];
+            let lit = environment::sunlit(sun, m, &LobeFrame::new(face.normal), face.wo);
+            out[face.at] = (Vec3::from(out[face.at]) + lit).to_array();
         }
-        let origin = eye + direction * hit.t + normal * self.offset;
-        if self.bvh.occluded(&Ray { origin, direction: sun.direction }, f32::INFINITY) {
-            return ambient;
-        }
-        ambient + environment::sunlit(sun, m, &LobeFrame::new(normal), wo)
+        sunny.origins.clear();
+        sunny.faces.clear();
     }
 }
 

@@ -1,7 +1,8 @@
 //! Casting: which triangle does a ray meet first, and is anything in its way?
 //!
 //! - [`Bvh::nearest`] and [`Bvh::occluded`] take any ray; [`tile::cast`] takes the rays of a tile of pixels, which share
-//!   their origin, sixteen at a time, and finds the same hits bit for bit.
+//!   their origin, sixteen at a time, and finds the same hits bit for bit; [`parallel::occluded`] takes rays of
+//!   one direction, sixteen at a time.
 //! - Hits are those of a loop over all triangles with the same triangle test: which triangle, and every bit of `t`, `u`
 //!   and `v`. No box is passed by that could hold one (`slab`), and of equally near triangles the lower id counts. So the
 //!   hits depend neither on the shape of the tree nor on the number of threads.
@@ -18,6 +19,7 @@
 pub mod build;
 mod bvh;
 mod packet;
+pub mod parallel;
 mod ray;
 mod slab;
 mod stored;
