@@ -4,11 +4,14 @@
 //! ```text
 //! cargo bench --bench scale -- --work DIR --triangles 2000000 --frames 100,400,1600 --memory 3GiB
 //! cargo bench --bench scale -- --work DIR --triangles 10000000 --frames 2000 --memory 3GiB --kills 10
+//! cargo bench --bench scale -- --work DIR --triangles 40000000 --field --memory 8GiB
 //! ```
 //!
-//! One city of the most frames is made, kept in DIR and used again; fewer frames are spread over its flight. The table goes to standard output, and every figure as a line of JSON to `--out`.
+//! One city of the most frames is made, kept in DIR and used again; fewer frames are spread over its flight.
+//! With `--field` there is one small frame over a height field: what the mesh alone takes. The table goes to standard output, and every figure as a line of JSON to `--out`.
 #![expect(clippy::print_stdout, clippy::print_stderr, reason = "a bench is a program")]
 
+mod field;
 mod process;
 
 use std::fs::{self, OpenOptions};
@@ -29,7 +32,7 @@ struct Options {
     #[arg(long, hide = true)]
     bench: bool,
     /// Where cities and runs go
-    #[arg(long, requires = "frames")]
+    #[arg(long)]
     work: Option<PathBuf>,
     /// Triangles to aim at
     #[arg(long, default_value_t = 2_000_000)]
@@ -37,6 +40,9 @@ struct Options {
     /// Photographs: a run for each count
     #[arg(long, value_delimiter = ',')]
     frames: Vec<u32>,
+    /// A height field with one photograph in place of a city
+    #[arg(long, conflicts_with = "frames")]
+    field: bool,
     /// Columns of a photograph
     #[arg(long, default_value_t = 1600)]
     width: u32,
@@ -59,23 +65,37 @@ struct Options {
 
 fn main() -> io::Result<()> {
     let options = Options::parse();
-    let Some(work) = options.work.as_deref().filter(|_| !options.frames.is_empty()) else {
-        eprintln!("nothing to do: name --work and --frames (see benches/scale)");
+    let Some(work) = options.work.as_deref().filter(|_| options.field || !options.frames.is_empty()) else {
+        eprintln!("nothing to do: name --work, and --frames or --field (see benches/scale)");
         return Ok(());
     };
     println!(
         "| triangles | frames | city | load | build | cast | infer | merge | export | all | peak memory | disk | a kill costs |"
     );
     println!("|---|---|---|---|---|---|---|---|---|---|---|---|---|");
-    let city = City::make(&options, work)?;
-    for &frames in &options.frames {
-        let figures = measure(&options, work, &city, frames)?;
+    let told = |figures: Value| {
         println!("{}", row(&figures));
-        if let Some(out) = &options.out {
-            writeln!(OpenOptions::new().create(true).append(true).open(out)?, "{figures}")?;
-        }
+        let Some(out) = &options.out else { return Ok(()) };
+        writeln!(OpenOptions::new().create(true).append(true).open(out)?, "{figures}")
+    };
+    if options.field {
+        let scene = work.join(format!("field-{}", options.triangles));
+        field::make(&scene, options.triangles)?;
+        return told(measure(&options, work, &Input { model: scene.join("sparse/0"), scene, frames: 1, made: None })?);
     }
-    Ok(())
+    let city = City::make(&options, work)?;
+    options.frames.iter().try_for_each(|&frames| told(measure(&options, work, &city.input(work, frames)?)?))
+}
+
+/// What a run is made on.
+struct Input<'a> {
+    /// The folder with mesh and photographs.
+    scene: PathBuf,
+    /// Their poses.
+    model: PathBuf,
+    frames: u32,
+    /// What making it took.
+    made: Option<&'a Ran>,
 }
 
 /// A city that runs are made on.
@@ -96,23 +116,24 @@ impl City {
         Ok(City { folder, made })
     }
 
-    /// Writes a model of so many of its frames, spread over the flight.
-    fn model(&self, frames: u32, folder: &Path) -> io::Result<()> {
+    /// So many of its frames, spread over the flight.
+    fn input(&self, work: &Path, frames: u32) -> io::Result<Input<'_>> {
         let all = colmap::read_model(&self.folder.join("sparse/0")).map_err(Error::other)?;
         let spread: Vec<Frame> = (0..frames as usize).map(|i| all[i * all.len() / frames as usize].clone()).collect();
-        fs::create_dir_all(folder)?;
-        colmap::write_model(folder, &spread, Encoding::Binary).map_err(Error::other)
+        let model = work.join(format!("sparse-{frames}-of-{}", all.len()));
+        fs::create_dir_all(&model)?;
+        colmap::write_model(&model, &spread, Encoding::Binary).map_err(Error::other)?;
+        Ok(Input { scene: self.folder.clone(), model, frames, made: Some(&self.made) })
     }
 }
 
-/// Runs on a city, and runs again with kills.
-fn measure(options: &Options, work: &Path, city: &City, frames: u32) -> io::Result<Value> {
+/// Runs on a scene, and runs again with kills.
+fn measure(options: &Options, work: &Path, input: &Input<'_>) -> io::Result<Value> {
     let Options { triangles, width, height, memory, threads, kills, .. } = options;
+    let frames = input.frames;
     let name = format!("{triangles}x{frames}-{width}x{height}");
-    let model = work.join(format!("sparse-{name}"));
-    city.model(frames, &model)?;
     let file = work.join(format!("{name}.toml"));
-    fs::write(&file, pipeline(&city.folder, &model, memory, *threads))?;
+    fs::write(&file, pipeline(input, memory, *threads))?;
     let run = |folder: &Path| format!("run {} --set run.work={}", file.display(), folder.display());
 
     let folder = work.join(format!("run-{name}"));
@@ -121,7 +142,7 @@ fn measure(options: &Options, work: &Path, city: &City, frames: u32) -> io::Resu
     let report: Value = serde_json::from_slice(&fs::read(folder.join("report.json"))?)?;
     let mut figures = json!({
         "triangles": report["triangles"]["total"], "frames": frames, "size": [width, height], "memory": memory,
-        "threads": threads, "city_seconds": city.made.wall.as_secs_f64(), "city_peak": city.made.peak,
+        "threads": threads, "city_seconds": input.made.map(|made| made.wall.as_secs_f64()), "city_peak": input.made.map(|made| made.peak),
         "seconds": whole.wall.as_secs_f64(), "peak": whole.peak, "disk": size(&folder)?, "report": report,
     });
     if *kills > 0 {
@@ -145,13 +166,13 @@ fn measure(options: &Options, work: &Path, city: &City, frames: u32) -> io::Resu
     Ok(figures)
 }
 
-fn pipeline(city: &Path, model: &Path, memory: &str, threads: u32) -> String {
+fn pipeline(input: &Input<'_>, memory: &str, threads: u32) -> String {
     format!(
         "[scene]\nmesh = \"{0}/mesh.ply\"\nimages = \"{0}/images\"\n\
          poses = {{ format = \"colmap\", path = \"{1}\" }}\n\
          [run]\nwork = \"unused\"\nmemory = \"{memory}\"\nthreads = {threads}\n",
-        city.display(),
-        model.display()
+        input.scene.display(),
+        input.model.display()
     )
 }
 
