@@ -3,7 +3,8 @@
 //! Windows are cast on all processors at once, as in a run, where workers share caches and memory. Against the tree of the
 //! scene cache where there is one. Before there is, a tree is built over the triangles that lie in the directions of the
 //! windows, hidden ones too: rays meet what they will meet, in a tree that is less deep than that of a larger mesh.
-//! Nothing is extrapolated for its depth. What gathers is left out: beside casting it is little.
+//! Nothing is extrapolated for its depth: over two million triangles a pixel took 1.2 us so, and 1.2 to 1.4 us against the
+//! cache. What gathers is left out: in every run measured it worked for less than a twentieth of what casting did.
 //!
 //! It holds no more than it is given, and begins with no further frame after [`LONGEST`].
 
@@ -177,8 +178,12 @@ fn windows(width: u32, height: u32, side: u32) -> Vec<Tile> {
 }
 
 /// The triangles that lie in the directions of the windows, hidden ones too. Where they are more than one part of a tree,
-/// the first window is left alone; `None` if there are none, or still too many.
+/// the first window is left alone, and becomes smaller; `None` if there are none, or still too many.
 fn in_view(mesh: &Mesh, view: &View, windows: &mut Vec<Tile>) -> Option<Mesh> {
+    at_most(PART, mesh, view, windows)
+}
+
+fn at_most(most: usize, mesh: &Mesh, view: &View, windows: &mut Vec<Tile>) -> Option<Mesh> {
     loop {
         let cones: Vec<Cone> = windows.iter().filter_map(|window| Cone::of(view, *window)).collect();
         let found = AtomicUsize::new(0);
@@ -187,18 +192,22 @@ fn in_view(mesh: &Mesh, view: &View, windows: &mut Vec<Tile>) -> Option<Mesh> {
             let middle = (a + b + c) / 3.0;
             let radius = [a, b, c].into_iter().map(|p| p.distance_squared(middle)).fold(0.0, f32::max).sqrt();
             let hit = cones.iter().any(|cone| cone.holds(middle, radius));
-            hit && found.fetch_add(1, Ordering::Relaxed) < PART
+            hit && found.fetch_add(1, Ordering::Relaxed) < most
         };
         let ids: Vec<TriangleId> = (0..mesh.len() as TriangleId).into_par_iter().filter(seen).collect();
-        if found.into_inner() <= PART {
+        if found.into_inner() <= most {
             let corners: Vec<Vec3> = ids.iter().flat_map(|&t| mesh.corners(t)).collect();
             let triangles: Vec<[u32; 3]> = (0..ids.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
             return Mesh::of_parts(mesh.origin, corners.into(), triangles.into()).ok();
         }
-        if windows.len() == 1 {
-            return None;
+        match windows.as_mut_slice() {
+            [one] if one.width.min(one.height) < 16 => return None,
+            [one] => {
+                let (width, height) = (one.width / 2, one.height / 2);
+                *one = Tile { x: one.x + width / 2, y: one.y + height / 2, width, height };
+            }
+            _ => windows.truncate(1),
         }
-        windows.truncate(1);
     }
 }
 
@@ -283,9 +292,19 @@ mod tests {
         let camera =
             Camera { width: 600, height: 400, model: Model::pinhole(DVec2::splat(500.0), DVec2::new(300.0, 200.0)) };
         let view = View::new(camera, &Pose::look_at(DVec3::new(3.0, -40.0, 30.0), DVec3::ZERO, DVec3::Z), &mesh);
-        let mut windows = windows(600, 400, 64);
+        let (plenty, mut windows) = (windows(600, 400, 64), windows(600, 400, 64));
         let seen = in_view(&mesh, &view, &mut windows).unwrap();
         assert!(windows.len() == 9 && seen.len() < mesh.len() / 2, "{} of {}", seen.len(), mesh.len());
+        // Where triangles are too many, fewer pixels are tried.
+        let middle = plenty[0];
+        let half = Tile { x: middle.x + 16, y: middle.y + 16, width: 32, height: 32 };
+        for left in [vec![middle], vec![half]] {
+            let most = in_view(&mesh, &view, &mut left.clone()).unwrap().len();
+            let mut fewer = plenty.clone();
+            assert_eq!(at_most(most, &mesh, &view, &mut fewer).map(|few| few.len()), Some(most));
+            assert_eq!(fewer, left);
+        }
+        assert_eq!(at_most(1, &mesh, &view, &mut plenty.clone()), None);
         let (all, part) = (Bvh::build(&mesh), Bvh::build(&seen));
         let (mut one, mut other) = (TileRays::default(), TileRays::default());
         for tile in windows.iter().flat_map(|window| window.split(32)) {
