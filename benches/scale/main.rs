@@ -3,7 +3,7 @@
 //!
 //! ```text
 //! cargo bench --bench scale -- --work DIR --triangles 2000000 --frames 100,400,1600 --memory 3GiB
-//! cargo bench --bench scale -- --work DIR --triangles 10000000 --frames 2000 --memory 3GiB --kills 10
+//! cargo bench --bench scale -- --work DIR --triangles 10000000 --frames 2000 --memory 3GiB --kills 10 --kill-after 120
 //! cargo bench --bench scale -- --work DIR --triangles 40000000 --field --memory 8GiB
 //! ```
 //!
@@ -14,6 +14,7 @@
 mod field;
 mod process;
 
+use std::collections::BTreeMap;
 use std::fs::{self, OpenOptions};
 use std::io::{self, Error, Write};
 use std::path::{Path, PathBuf};
@@ -22,7 +23,7 @@ use std::time::Duration;
 use clap::Parser;
 use gonio::codec::colmap::{self, Encoding};
 use gonio::scene::frame::Frame;
-use process::{Ran, gonio};
+use process::{Course, Ran, course, gonio};
 use serde_json::{Value, json};
 
 /// Whole runs on cities of any size.
@@ -55,9 +56,12 @@ struct Options {
     /// Threads
     #[arg(long, default_value_t = 2)]
     threads: u32,
-    /// Kills of a second run, spread over its time
+    /// Kills of a second run, spread over its time; of the only run, where --kill-after is given
     #[arg(long, default_value_t = 0)]
     kills: u32,
+    /// Seconds from a start to the kill
+    #[arg(long, requires = "kills")]
+    kill_after: Option<f64>,
     /// Where a line of JSON is added for every run
     #[arg(long)]
     out: Option<PathBuf>,
@@ -70,7 +74,7 @@ fn main() -> io::Result<()> {
         return Ok(());
     };
     println!(
-        "| triangles | frames | city | load | build | cast | infer | merge | export | all | peak memory | disk | a kill costs |"
+        "| triangles | frames | city | load | build | cast | infer | merge | export | all | peak memory | disk | the costliest kill |"
     );
     println!("|---|---|---|---|---|---|---|---|---|---|---|---|---|");
     let told = |figures: Value| {
@@ -134,36 +138,38 @@ fn measure(options: &Options, work: &Path, input: &Input<'_>) -> io::Result<Valu
     let name = format!("{triangles}x{frames}-{width}x{height}");
     let file = work.join(format!("{name}.toml"));
     fs::write(&file, pipeline(input, memory, *threads))?;
-    let run = |folder: &Path| format!("run {} --set run.work={}", file.display(), folder.display());
+    let run = |folder: &Path, kills: u32, after: Duration| {
+        fs::remove_dir_all(folder).or_else(ignore_missing)?;
+        course(&format!("run {} --json --set run.work={}", file.display(), folder.display()), folder, kills, after)
+    };
 
     let folder = work.join(format!("run-{name}"));
-    fs::remove_dir_all(&folder).or_else(ignore_missing)?;
-    let whole = gonio(&run(&folder), None)?.whole()?;
+    let first_kills = if options.kill_after.is_some() { *kills } else { 0 };
+    let whole = run(&folder, first_kills, Duration::from_secs_f64(options.kill_after.unwrap_or(0.0)))?;
     let report: Value = serde_json::from_slice(&fs::read(folder.join("report.json"))?)?;
     let mut figures = json!({
         "triangles": report["triangles"]["total"], "frames": frames, "size": [width, height], "memory": memory,
-        "threads": threads, "city_seconds": input.made.map(|made| made.wall.as_secs_f64()), "city_peak": input.made.map(|made| made.peak),
-        "seconds": whole.wall.as_secs_f64(), "peak": whole.peak, "disk": size(&folder)?, "report": report,
+        "threads": threads, "city_seconds": input.made.map(|made| made.wall.as_secs_f64()),
+        "city_peak": input.made.map(|made| made.peak), "run": told(&whole), "disk": size(&folder)?, "report": report,
     });
-    if *kills > 0 {
-        let killed = work.join(format!("killed-{name}"));
-        fs::remove_dir_all(&killed).or_else(ignore_missing)?;
-        let (mut spent, mut peak) = (Duration::ZERO, 0);
-        for _ in 0..*kills {
-            let tried = gonio(&run(&killed), Some(whole.wall / (kills + 1)))?;
-            (spent, peak) = (spent + tried.wall, peak.max(tried.peak));
-        }
-        let last = gonio(&run(&killed), None)?.whole()?;
-        let lost = (spent + last.wall).saturating_sub(whole.wall) / *kills;
-        figures["kill_costs"] = json!(lost.as_secs_f64());
-        figures["killed_peak"] = json!(peak.max(last.peak));
+    if *kills > first_kills {
+        let second = work.join(format!("killed-{name}"));
+        let killed = run(&second, *kills, whole.wall / (kills + 1))?;
+        figures["killed"] = told(&killed);
         for output in ["materials.npy", "evidence.npy", "export/scene.ply", "export/scene.glb"] {
-            if !same(&folder.join(output), &killed.join(output))? {
+            if !same(&folder.join(output), &second.join(output))? {
                 return Err(Error::other(format!("{output} of the killed run differs")));
             }
         }
     }
     Ok(figures)
+}
+
+fn told(course: &Course) -> Value {
+    let seconds = |d: &Duration| d.as_secs_f64();
+    let phases: BTreeMap<&str, f64> = course.phases.iter().map(|(name, took)| (name.as_str(), seconds(took))).collect();
+    let lost: Vec<f64> = course.lost.iter().map(seconds).collect();
+    json!({ "seconds": seconds(&course.wall), "peak": course.peak, "phases": phases, "lost": lost })
 }
 
 fn pipeline(input: &Input<'_>, memory: &str, threads: u32) -> String {
@@ -179,16 +185,14 @@ fn pipeline(input: &Input<'_>, memory: &str, threads: u32) -> String {
 fn row(figures: &Value) -> String {
     let seconds = |value: &Value| value.as_f64().map_or("-".to_owned(), |s| format!("{s:.1} s"));
     let mib = |value: &Value| value.as_u64().map_or("-".to_owned(), |b| format!("{} MiB", b >> 20));
-    let phase = |name: &str| {
-        let phases = figures["report"]["phases"].as_array();
-        let found = phases.and_then(|all| all.iter().find(|phase| phase["name"] == name));
-        found.map_or("-".to_owned(), |phase| seconds(&phase["seconds"]))
-    };
+    let run = &figures["run"];
+    let lost = [run, &figures["killed"]].map(|run| run["lost"].as_array().into_iter().flatten());
+    let most = lost.into_iter().flatten().filter_map(Value::as_f64).reduce(f64::max);
     let mut cells =
         vec![figures["triangles"].to_string(), figures["frames"].to_string(), seconds(&figures["city_seconds"])];
-    cells.extend(["load", "build", "cast", "infer", "merge", "export"].map(phase));
-    cells.extend([seconds(&figures["seconds"]), mib(&figures["peak"]), mib(&figures["disk"])]);
-    cells.push(seconds(&figures["kill_costs"]));
+    cells.extend(["load", "build", "cast", "infer", "merge", "export"].map(|name| seconds(&run["phases"][name])));
+    cells.extend([seconds(&run["seconds"]), mib(&run["peak"]), mib(&figures["disk"])]);
+    cells.push(seconds(&json!(most)));
     format!("| {} |", cells.join(" | "))
 }
 
