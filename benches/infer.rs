@@ -1,4 +1,4 @@
-//! Materials a second: each engine, on one thread and on two, at its own micro-batch. One element is one map; a second
+//! Materials a second: the network on each engine, and the fit, on one thread and on two, at its own micro-batch. One element is one map; a second
 //! over elements a second is the time of one map. `ORT_DYLIB_PATH` names the library; without one, its half is left out.
 //! `GONIO_MODEL` names another model than the built-in one.
 #![expect(clippy::expect_used, reason = "a benchmark that cannot start should stop")]
@@ -6,8 +6,10 @@
 use std::path::Path;
 
 use criterion::{Criterion, SamplingMode, Throughput, criterion_group, criterion_main};
-use gonio::model::{self, Backend, ModelSource};
+use glam::Vec3;
+use gonio::model::{self, Backend, Estimator, Fit, ModelSource};
 use gonio::scene::Material;
+use gonio::scene::light::LocalLight;
 use gonio::scene::reflectance::{Bin, BinSum, FRONT_BINS, SparseMap};
 
 const MAPS: usize = 512;
@@ -19,8 +21,11 @@ fn infer(criterion: &mut Criterion) {
     let source = ModelSource::named(&name, Path::new(""));
     let library = std::env::var_os("ORT_DYLIB_PATH").is_some_and(|v| !v.is_empty());
     let backends = if library { &[Backend::Embedded, Backend::OnnxRuntime][..] } else { &[Backend::Embedded] };
-    for &backend in backends {
-        let model = model::load(&source, backend, None).expect("the model loads");
+    let load = |&backend: &Backend| -> (String, Box<dyn Estimator>) {
+        (backend.to_string(), model::load(&source, backend, None).expect("the model loads"))
+    };
+    let fit: (String, Box<dyn Estimator>) = ("fit".into(), Box::new(Fit::default()));
+    for (name, model) in backends.iter().map(load).chain([fit]) {
         let map = |i: usize| {
             let mut bins: Vec<_> =
                 (0..FILLED).map(|n| ((i * 37 + n * 211) % FRONT_BINS, 0.1 + 0.01 * n as f32)).collect();
@@ -29,8 +34,9 @@ fn infer(criterion: &mut Criterion) {
         };
         let maps: Vec<SparseMap> = (0..MAPS).map(map).collect();
         let maps: Vec<&SparseMap> = maps.iter().collect();
-        let lights = vec![0.6; if model.contract().light { MAPS * 3 } else { 0 }];
-        let mut group = criterion.benchmark_group(format!("infer/{backend}"));
+        let light = LocalLight { direction: Vec3::new(0.0, 0.6, 0.8), sun: Vec3::ONE, sky: Vec3::splat(0.2) };
+        let lights = vec![light; MAPS];
+        let mut group = criterion.benchmark_group(format!("infer/{name}"));
         group.throughput(Throughput::Elements(MAPS as u64)).sampling_mode(SamplingMode::Flat).sample_size(20);
         for threads in [1, 2] {
             let mut sessions: Vec<_> = (0..threads).map(|_| model.session().expect("a session")).collect();
@@ -41,7 +47,7 @@ fn infer(criterion: &mut Criterion) {
                     std::thread::scope(|scope| {
                         for (i, (session, out)) in sessions.iter_mut().zip(out.chunks_mut(share)).enumerate() {
                             let maps = &maps[i * share..][..share];
-                            let lights = (!lights.is_empty()).then(|| &lights[i * share * 3..][..share * 3]);
+                            let lights = model.contract().light.then(|| &lights[i * share..][..share]);
                             scope.spawn(move || session.estimate(maps, lights, out).expect("an estimate"));
                         }
                     });

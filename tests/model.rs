@@ -10,9 +10,11 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
+use glam::Vec3;
 use gonio::base::Result;
 use gonio::model::{self, Backend, Estimator, ModelSource};
 use gonio::scene::Material;
+use gonio::scene::light::LocalLight;
 use gonio::scene::reflectance::{Bin, BinSum, FRONT_BINS, Kind, SparseMap};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -58,14 +60,18 @@ fn maps(count: usize) -> Vec<SparseMap> {
     (0..count).map(map).collect()
 }
 
+fn sun(z: f32) -> LocalLight {
+    LocalLight { direction: Vec3::new(0.0, 0.6, z), sun: Vec3::ONE, sky: Vec3::ZERO }
+}
+
 /// Estimates in batches of this size, each batch in a session of its own.
 fn estimate<'a>(model: &dyn Estimator, maps: impl IntoIterator<Item = &'a SparseMap>, batch: usize) -> Vec<[f32; 7]> {
     let maps: Vec<&SparseMap> = maps.into_iter().collect();
     // The light follows from the map, wherever the map lies in a batch.
-    let light = |m: &&SparseMap| [0.0, 0.6, if m.bins.len().is_multiple_of(2) { 0.8 } else { -0.8 }];
+    let light = |m: &&SparseMap| sun(if m.bins.len().is_multiple_of(2) { 0.8 } else { -0.8 });
     let mut out = vec![Material::default(); maps.len()];
     for (maps, out) in maps.chunks(batch).zip(out.chunks_mut(batch)) {
-        let lights: Vec<f32> = maps.iter().flat_map(light).collect();
+        let lights: Vec<LocalLight> = maps.iter().map(light).collect();
         let lights = model.contract().light.then_some(lights.as_slice());
         model.session().unwrap().estimate(maps, lights, out).unwrap();
     }
@@ -196,9 +202,9 @@ fn calls_that_do_not_fit_are_refused() {
     let map = SparseMap::default();
     for (model, maps, lights, words) in [
         (&four, &[][..], None, "0 maps came for 1 materials"),
-        (&four, &[&map][..], Some(&[0.0; 3][..]), "takes no light"),
-        (&light, &[&map], None, "needs a light of 3 values beside each map; 0 values came"),
-        (&light, &[&map], Some(&[0.0; 2][..]), "2 values came"),
+        (&four, &[&map][..], Some(&[sun(0.8)][..]), "takes no light"),
+        (&light, &[&map], None, "needs a light beside each map; 0 came"),
+        (&light, &[&map], Some(&[sun(0.8); 2][..]), "2 came"),
     ] {
         let said = model.session().unwrap().estimate(maps, lights, &mut [Material::default()]).unwrap_err().to_string();
         assert!(said.contains(words), "{said}");

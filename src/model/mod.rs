@@ -1,5 +1,5 @@
-//! The estimator: reflectance maps in, materials out. An ONNX file is the model; one of two engines runs it: tract,
-//! built in, or an ONNX Runtime library found when the run is planned.
+//! The estimator: reflectance maps in, materials out. It is a network or, where the light is known, the [`Fit`]. A network is
+//! an ONNX file; one of two engines runs it: tract, built in, or an ONNX Runtime library found when the run is planned.
 //!
 //! Invariants:
 //! - Whatever is wrong with a model or a library is found by [`load`], before anything starts, and told in one sentence:
@@ -16,6 +16,7 @@
 mod contract;
 mod elf;
 mod embedded;
+mod fit;
 mod library;
 mod onnx;
 mod pack;
@@ -29,12 +30,14 @@ use std::str::FromStr;
 use serde::Serialize;
 
 pub use contract::{Contract, Input};
+pub use fit::Fit;
 pub use source::{BUILT_IN, BuiltIn, ModelSource};
 
 use crate::base::Result;
 use crate::base::key::Key;
 use crate::base::units::Bytes;
 use crate::scene::Material;
+use crate::scene::light::LocalLight;
 use crate::scene::reflectance::SparseMap;
 
 /// What turns reflectance maps into materials. Shared by all workers; each makes its own [`Session`].
@@ -68,12 +71,11 @@ pub trait Estimator: Send + Sync {
 pub trait Session: Send {
     /// Estimates the material of each of `maps`, as many as `out` has.
     ///
-    /// `lights` is `[n, 3]`, unit vectors to the sun in each map's frame; given just when the contract says so.
-    /// Components come out in [0, 1].
+    /// `lights` is the light of each map's triangle; given just when the contract says so. Components come out in [0, 1].
     ///
     /// # Errors
     /// Lengths that do not fit, a failing engine, or a component that is no number or outside [0, 1] by over 1e-4.
-    fn estimate(&mut self, maps: &[&SparseMap], lights: Option<&[f32]>, out: &mut [Material]) -> Result<()>;
+    fn estimate(&mut self, maps: &[&SparseMap], lights: Option<&[LocalLight]>, out: &mut [Material]) -> Result<()>;
 }
 
 /// Which engine runs the model.

@@ -6,6 +6,8 @@ use std::borrow::Cow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
+use glam::Vec3;
+
 use super::contract::Contract;
 use super::embedded::{self, Plan};
 use super::library::{self, Choice, Library};
@@ -15,6 +17,7 @@ use crate::base::key::{Key, KeyBuilder};
 use crate::base::units::Bytes;
 use crate::base::{Error, Result};
 use crate::scene::Material;
+use crate::scene::light::LocalLight;
 use crate::scene::reflectance::{Bin, BinSum, SparseMap};
 
 /// A micro-batch as a model eats it.
@@ -64,7 +67,8 @@ pub(super) fn load(source: &ModelSource, backend: Backend, library: Option<&Path
     // An empty map, and one of every size.
     let bins = |count: usize| SparseMap { bins: (0..count).map(|b| (b as Bin, BinSum::default())).collect() };
     let maps: Vec<SparseMap> = [0].into_iter().chain(model.contract.input.sizes()).map(bins).collect();
-    let lights = UP.repeat(if model.contract.light { maps.len() } else { 0 });
+    let up = LocalLight { direction: Vec3::from_array(UP), sun: Vec3::ONE, sky: Vec3::ZERO };
+    let lights = vec![up; maps.len()];
     let lights = model.contract.light.then_some(lights.as_slice());
     let maps: Vec<&SparseMap> = maps.iter().collect();
     model.session()?.estimate(&maps, lights, &mut vec![Material::default(); maps.len()])?;
@@ -170,9 +174,9 @@ struct OnnxSession {
 }
 
 impl Session for OnnxSession {
-    fn estimate(&mut self, maps: &[&SparseMap], lights: Option<&[f32]>, out: &mut [Material]) -> Result<()> {
+    fn estimate(&mut self, maps: &[&SparseMap], lights: Option<&[LocalLight]>, out: &mut [Material]) -> Result<()> {
         self.check(maps.len(), lights, out.len())?;
-        let lights = lights.unwrap_or_default().as_chunks().0;
+        let lights = lights.unwrap_or_default();
         let input = self.contract.input;
         for (size, bins) in input.sizes().into_iter().enumerate() {
             let alike: Vec<usize> = (0..maps.len()).filter(|&i| input.size_of(maps[i]) == size).collect();
@@ -190,15 +194,14 @@ impl Session for OnnxSession {
 
 impl OnnxSession {
     /// Whether there is an answer, and a light if one is wanted, for each of `maps` maps.
-    fn check(&self, maps: usize, lights: Option<&[f32]>, answers: usize) -> Result<()> {
+    fn check(&self, maps: usize, lights: Option<&[LocalLight]>, answers: usize) -> Result<()> {
         let wrong = |found: String| Err(Error::malformed(&self.contract.model, found));
         if maps != answers {
             return wrong(format!("{maps} maps came for {answers} materials"));
         }
-        if lights.is_some() != self.contract.light || lights.is_some_and(|l| l.len() != maps * UP.len()) {
-            let needed =
-                if self.contract.light { "needs a light of 3 values beside each map" } else { "takes no light" };
-            return wrong(format!("the model {needed}; {} values came", lights.map_or(0, <[f32]>::len)));
+        if lights.is_some() != self.contract.light || lights.is_some_and(|l| l.len() != maps) {
+            let needed = if self.contract.light { "needs a light beside each map" } else { "takes no light" };
+            return wrong(format!("the model {needed}; {} came", lights.map_or(0, <[LocalLight]>::len)));
         }
         Ok(())
     }
@@ -210,7 +213,7 @@ impl OnnxSession {
         each: usize,
         chosen: &[usize],
         maps: &[&SparseMap],
-        lights: &[[f32; 3]],
+        lights: &[LocalLight],
     ) -> Result<()> {
         self.values.clear();
         self.values.resize(self.batch * each, 0.0);
@@ -219,7 +222,7 @@ impl OnnxSession {
         }
         self.lights.clear();
         if self.contract.light {
-            self.lights.extend(chosen.iter().flat_map(|&i| lights[i]));
+            self.lights.extend(chosen.iter().flat_map(|&i| lights[i].direction.to_array()));
             self.lights.extend(UP.repeat(self.batch - chosen.len()));
         }
         let batch = Maps { size, values: &self.values, lights: &self.lights };

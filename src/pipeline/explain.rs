@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use super::exec::estimator;
-use super::fit::Fit;
+use super::readable::Readable;
 use super::resume::{self, IMAGE, MASK, POSE, TOO_LARGE, UNREADABLE, frames_of};
 use super::scene::Loaded;
 use super::{Pipeline, plan, shards};
@@ -54,7 +54,7 @@ pub fn explain(pipeline: &Pipeline) -> Result<Explanation> {
     let estimator = estimator(pipeline)?;
     let base = plan::base();
     let loaded = Loaded::expected(pipeline)?;
-    let fit = Fit::of(pipeline, &loaded, base);
+    let fit = Readable::of(pipeline, &loaded, base);
     let groups = resume::groups(pipeline, &manifest, loaded.mesh_key, &loaded.frames, Some(&fit));
     let units: BTreeSet<String> = groups.iter().map(|group| group.recipe.unit()).collect();
     let stale: Vec<&Unit> =
@@ -78,7 +78,7 @@ pub fn explain(pipeline: &Pipeline) -> Result<Explanation> {
         causes: each_once(causes),
     };
 
-    let all = shards::of_groups(pipeline, &*estimator, &store, &manifest, &groups, loaded.mesh.len())?;
+    let all = shards::of_groups(pipeline, &*estimator, &store, &manifest, &groups, &loaded)?;
     let done: BTreeMap<&str, &Recipe> =
         manifest.of_kind(SHARD).map(|(_, unit)| (unit.recipe.what(), &unit.recipe)).collect();
     let changed: Vec<_> = all.iter().filter(|shard| manifest.files(&shard.recipe.unit()).is_none()).collect();

@@ -7,13 +7,13 @@
 pub mod check;
 pub mod exec;
 pub mod explain;
-pub mod fit;
 pub mod inspect;
 pub mod picture;
 pub mod plan;
 pub mod problem;
 pub mod progress;
 mod raw;
+pub mod readable;
 pub mod report;
 pub mod resume;
 pub mod room;
@@ -33,10 +33,8 @@ pub use room::Room;
 
 use std::path::PathBuf;
 
-use serde::Serialize;
-
 use crate::base::units::Bytes;
-use crate::stages::{Choice, cast, decode, export, gather, infer, merge};
+use crate::stages::{Choice, cast, decode, export, gather, infer, light, merge};
 use crate::synth::city::CityConfig;
 
 /// A pipeline file, checked.
@@ -59,7 +57,7 @@ pub struct Pipeline {
     /// What becomes of triangles that were hardly seen.
     pub merge: merge::Config,
     /// What is known of the light.
-    pub light: Light,
+    pub light: light::Config,
     /// What is written for others.
     pub export: export::Config,
     /// Where and with how much a run runs.
@@ -113,25 +111,6 @@ pub enum PosesFormat {
 
 impl Choice for PosesFormat {
     const NAMES: &'static [(&'static str, Self)] = &[("colmap", PosesFormat::Colmap)];
-}
-
-/// Section `[light]`.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Light {
-    /// How the light is known.
-    pub mode: LightMode,
-}
-
-/// How the light is known.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum LightMode {
-    /// It is not: the network sees reflectance maps alone.
-    Unknown,
-}
-
-impl Choice for LightMode {
-    const NAMES: &'static [(&'static str, Self)] = &[("unknown", LightMode::Unknown)];
 }
 
 /// Section `[run]`.

@@ -7,8 +7,10 @@
 use std::collections::BTreeSet;
 use std::time::Instant;
 
+use glam::Vec3;
+
 use super::Pipeline;
-use super::fit::{self, Fit};
+use super::readable::{self, Readable};
 use super::room::Disk;
 use super::scene::Loaded;
 use super::share::{CastInputs, InferInputs};
@@ -21,6 +23,7 @@ use crate::model::{Estimator, Session};
 use crate::scene::Material;
 use crate::scene::evidence::Evidence;
 use crate::scene::frame::Frame;
+use crate::scene::light::LocalLight;
 use crate::scene::reflectance::{Bin, BinSum, FRONT_BINS, SparseMap};
 use crate::shard::Record;
 use crate::shard::format::SHARD;
@@ -127,8 +130,14 @@ impl Inputs {
     ///
     /// # Errors
     /// What the estimator says when it refuses.
-    pub fn of(pipeline: &Pipeline, loaded: &Loaded, estimator: &dyn Estimator, base: u64, fit: &Fit) -> Result<Inputs> {
-        let pixels = |f: &Frame| fit::pixels(pipeline, f);
+    pub fn of(
+        pipeline: &Pipeline,
+        loaded: &Loaded,
+        estimator: &dyn Estimator,
+        base: u64,
+        fit: &Readable,
+    ) -> Result<Inputs> {
+        let pixels = |f: &Frame| readable::pixels(pipeline, f);
         let threads = pool::threads(pipeline.run.threads, pool::available());
         let before = memory::resident().unwrap_or(0);
         let (seconds_per_map, session) = trial(estimator)?;
@@ -176,9 +185,12 @@ fn trial(estimator: &dyn Estimator) -> Result<(f64, Box<dyn Session>)> {
     let maps: Vec<&SparseMap> = maps.iter().collect();
     let mut session = estimator.session()?;
     let mut answers = vec![Material::default(); maps.len()];
-    session.estimate(&maps, None, &mut answers)?;
+    let light = LocalLight { direction: Vec3::Z, sun: Vec3::ONE, sky: Vec3::ZERO };
+    let lights = vec![light; maps.len()];
+    let lights = estimator.contract().light.then_some(lights.as_slice());
+    session.estimate(&maps, lights, &mut answers)?;
     let started = Instant::now();
-    session.estimate(&maps, None, &mut answers)?;
+    session.estimate(&maps, lights, &mut answers)?;
     Ok((started.elapsed().as_secs_f64() / maps.len() as f64, session))
 }
 

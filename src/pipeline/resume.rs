@@ -11,7 +11,7 @@ use serde::Serialize;
 use serde_json::Value;
 
 use super::Pipeline;
-use super::fit::Fit;
+use super::readable::Readable;
 use crate::base::Result;
 use crate::base::ids::FrameId;
 use crate::base::key::Key;
@@ -80,7 +80,13 @@ pub fn frames_of(recipe: &Recipe) -> impl Iterator<Item = &str> {
 /// A frame that is too large under this limit (`fit`) is left out of a group that is still to be done, and its group is
 /// done again under a limit that it fits. A group that has it already keeps it, whatever the limit is now. Without `fit`,
 /// nothing is asked of frames that were left out.
-pub fn groups(pipeline: &Pipeline, manifest: &Manifest, mesh: Key, frames: &[Frame], fit: Option<&Fit>) -> Vec<Group> {
+pub fn groups(
+    pipeline: &Pipeline,
+    manifest: &Manifest,
+    mesh: Key,
+    frames: &[Frame],
+    fit: Option<&Readable>,
+) -> Vec<Group> {
     let parts = Parts::of(pipeline, frames);
     let common = settings(
         Recipe::new(FRAMES).with("scene.mesh", mesh).with("format", VERSION),

@@ -1,6 +1,7 @@
 //! The recipes of the reduce side: what has to be inferred again when a few frames have changed.
 
 use super::Pipeline;
+use super::scene::Loaded;
 use crate::base::Result;
 use crate::base::key::{Key, KeyBuilder};
 use crate::disk::{Manifest, Recipe, Store};
@@ -8,6 +9,7 @@ use crate::model::Estimator;
 use crate::shard::format::Hash;
 use crate::shard::{Blocks, format, rows};
 use crate::stages::gather::{Group, open_blocks};
+use crate::stages::light;
 use crate::stages::merge::{self, TABLES};
 use crate::stages::shards::{SHARD, Shard};
 
@@ -27,7 +29,7 @@ fn shards(blocks: &[Blocks], count: u32, with: impl Fn(Recipe) -> Recipe) -> Vec
     (0..count).filter_map(shard).collect()
 }
 
-/// The shards of a mesh of so many triangles that these groups, as far as they are done, saw anything in.
+/// The shards of a scene that these groups, as far as they are done, saw anything in.
 ///
 /// # Errors
 /// A list of blocks that cannot be read.
@@ -37,18 +39,32 @@ pub fn of_groups(
     store: &dyn Store,
     manifest: &Manifest,
     groups: &[Group],
-    triangles: usize,
+    loaded: &Loaded,
 ) -> Result<Vec<Shard>> {
     let done = groups.iter().filter_map(|group| manifest.files(&group.recipe.unit()));
     let blocks: Vec<Blocks> = done.map(|files| open_blocks(store, files)).collect::<Result<_>>()?;
-    let count = (triangles as u32).div_ceil(format::SHARD);
-    Ok(shards(&blocks, count, inferred_with(pipeline, estimator)))
+    let count = (loaded.mesh.len() as u32).div_ceil(format::SHARD);
+    Ok(shards(&blocks, count, inferred_with(pipeline, estimator, loaded.mesh_key)))
 }
 
-/// Adds what turns blocks into rows: the network, its engine, settings and formats.
-fn inferred_with<'a>(pipeline: &'a Pipeline, estimator: &'a dyn Estimator) -> impl Fn(Recipe) -> Recipe + 'a {
+/// Adds what turns blocks into rows: the estimator, its engine, settings and formats. In a known light also that, and the
+/// mesh, which casts shadows.
+fn inferred_with<'a>(
+    pipeline: &'a Pipeline,
+    estimator: &'a dyn Estimator,
+    mesh: Key,
+) -> impl Fn(Recipe) -> Recipe + 'a {
     let (model, engine) = (estimator.key(), estimator.engine());
+    let lit = move |recipe: Recipe| {
+        let light::Config { mode: _, sun, color, sky } = &pipeline.light;
+        let recipe = recipe.with("light.sun", format!("{sun:?}")).with("light.color", format!("{color:?}"));
+        let recipe = recipe.with("light.sky", format!("{sky:?}")).with("scene.mesh", mesh);
+        // The sky is the half that is up.
+        recipe.with("export.up", format!("{:?}", pipeline.export.up))
+    };
+    let wants_light = estimator.contract().light;
     move |recipe| {
+        let recipe = if wants_light { lit(recipe) } else { recipe };
         recipe
             .with("infer.model", model)
             .with("infer.backend", &engine)

@@ -15,7 +15,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use super::Pipeline;
-use super::fit::Fit;
+use super::readable::Readable;
 use super::scene::Loaded;
 use crate::base::Result;
 use crate::base::ids::{FrameId, TriangleId};
@@ -82,7 +82,7 @@ impl Trial {
     ///
     /// # Errors
     /// None that a bad frame causes; those of casting.
-    pub fn of(pipeline: &Pipeline, loaded: &Loaded, base: u64, fit: &Fit) -> Result<Option<Trial>> {
+    pub fn of(pipeline: &Pipeline, loaded: &Loaded, base: u64, fit: &Readable) -> Result<Option<Trial>> {
         let decode = loaded.decode(pipeline, "");
         let made = pipeline.scene.images.exists();
         let threads = rayon::current_num_threads() as u64;

@@ -13,4 +13,4 @@ pub mod visibility;
 
 pub use environment::Lighting;
 pub use relight::relight;
-pub use visibility::sky_visibility;
+pub use visibility::{Shares, sky_visibility};

@@ -1,39 +1,68 @@
-//! How much of the sky each triangle sees.
+//! How much of the sky, and of the sun, each triangle sees.
 
 use std::ops::Range;
 
 use glam::{DVec2, Vec3};
 use rayon::prelude::*;
 
-use super::environment::radical_inverse;
 use crate::base::ids::TriangleId;
 use crate::scene::Mesh;
-use crate::trace::{Bvh, Ray};
+use crate::scene::brdf::radical_inverse;
+use crate::trace::{Bvh, Ray, parallel};
 
 /// How far rays start from the surface they leave, relative to the mesh's extent: beyond what rounding moves a hit.
 pub fn offset(mesh: &Mesh) -> f32 {
     mesh.positions.iter().fold(0.0_f32, |far, p| far.max(p.abs().max_element())) * 1e-5
 }
 
-/// The cosine-weighted share of the sky that each of these triangles sees: `rays` rays from points spread over it, the same in
-/// the triangle's own frame for every triangle. Rays below the horizon see none, even where they leave the mesh.
-pub fn sky_visibility(mesh: &Mesh, bvh: &Bvh, up: Vec3, rays: u32, triangles: Range<TriangleId>) -> Vec<f32> {
-    let offset = offset(mesh);
-    let samples: Vec<(Vec3, DVec2)> = (0..rays).map(|k| (cosine_direction(k, rays), spread(k))).collect();
-    let share = |t: TriangleId| {
+/// Finds how much of the light reaches single triangles, by rays.
+#[derive(Debug)]
+pub struct Shares {
+    /// Directions in a triangle's own frame, as dense as their cosine, and where on it they start.
+    sky: Vec<(Vec3, DVec2)>,
+    offset: f32,
+}
+
+impl Shares {
+    /// With `rays` rays a triangle, from points spread over it, the same in the triangle's own frame for every triangle.
+    pub fn new(mesh: &Mesh, rays: u32) -> Shares {
+        Shares { sky: (0..rays).map(|k| (cosine_direction(k, rays), spread(k))).collect(), offset: offset(mesh) }
+    }
+
+    /// The cosine-weighted share of the sky about `up` that a triangle sees. Rays below the horizon see none, even where
+    /// they leave the mesh.
+    pub fn sky(&self, mesh: &Mesh, bvh: &Bvh, up: Vec3, t: TriangleId) -> f32 {
         let Some(frame) = mesh.lobe_frame(t) else { return 0.0 };
-        let [a, b, c] = mesh.corners(t);
-        let free = samples.iter().filter(|(local, at)| {
+        let free = self.sky.iter().filter(|(local, at)| {
             let direction = frame.to_world(*local);
             if direction.dot(up) <= 0.0 {
                 return false;
             }
-            let origin = a + (b - a) * at.x as f32 + (c - a) * at.y as f32 + frame.z * offset;
+            let origin = point(mesh.corners(t), *at) + frame.z * self.offset;
             !bvh.occluded(&Ray { origin, direction }, f32::INFINITY)
         });
-        free.count() as f32 / rays.max(1) as f32
-    };
-    triangles.into_par_iter().map(share).collect()
+        free.count() as f32 / self.sky.len().max(1) as f32
+    }
+
+    /// The share of a triangle's front that the sun reaches; 0 where it faces away.
+    pub fn sun(&self, mesh: &Mesh, bvh: &Bvh, sun: Vec3, t: TriangleId) -> f32 {
+        let Some(normal) = mesh.normal(t).filter(|normal| normal.dot(sun) > 0.0) else { return 0.0 };
+        let corners = mesh.corners(t);
+        let origins: [Vec3; 16] = std::array::from_fn(|k| point(corners, spread(k as u32)) + normal * self.offset);
+        let mut dark = [false; 16];
+        parallel::occluded(bvh, sun, &origins, &mut dark);
+        dark.iter().filter(|dark| !**dark).count() as f32 / 16.0
+    }
+}
+
+/// The share of the sky that each of these triangles sees, in order, of `rays` rays.
+pub fn sky_visibility(mesh: &Mesh, bvh: &Bvh, up: Vec3, rays: u32, triangles: Range<TriangleId>) -> Vec<f32> {
+    let shares = Shares::new(mesh, rays);
+    triangles.into_par_iter().map(|t| shares.sky(mesh, bvh, up, t)).collect()
+}
+
+fn point([a, b, c]: [Vec3; 3], at: DVec2) -> Vec3 {
+    a + (b - a) * at.x as f32 + (c - a) * at.y as f32
 }
 
 /// The `k`-th of `n` directions about +z, as dense as their cosine: a Hammersley set on the disk, lifted (Malley).

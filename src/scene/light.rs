@@ -1,4 +1,5 @@
-//! A sun: directional, with irradiance pi on a surface that faces it, so that a white Lambertian there has radiance 1.
+//! A sun: directional, with irradiance pi on a surface that faces it, so that a white Lambertian there has radiance 1. And
+//! what of sun and sky reaches one triangle.
 
 use glam::Vec3;
 
@@ -9,4 +10,15 @@ pub struct Sun {
     pub direction: Vec3,
     /// Colour; white is `[1, 1, 1]`, and irradiance at normal incidence is pi times it.
     pub color: Vec3,
+}
+
+/// The light that reaches one triangle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LocalLight {
+    /// Unit vector towards the sun, in the frame of the triangle's map.
+    pub direction: Vec3,
+    /// The sun's colour times the share of the triangle that it reaches, linear RGB.
+    pub sun: Vec3,
+    /// The sky's radiance times the share of it that the triangle sees, linear RGB.
+    pub sky: Vec3,
 }

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
+use super::light::SceneLight;
 use super::shards::Inferred;
 use super::{Choice, Fault};
 use crate::base::Result;
@@ -11,6 +12,7 @@ use crate::flow::{Map, Outlet, Reservation};
 use crate::model::{BUILT_IN, Backend, Estimator, ModelSource, Session};
 use crate::scene::Material;
 use crate::scene::evidence::{Evidence, Filled};
+use crate::scene::light::LocalLight;
 use crate::scene::reflectance::SparseMap;
 use crate::shard::rows::Row;
 use crate::shard::{ShardMaps, ShardRows};
@@ -18,6 +20,8 @@ use crate::shard::{ShardMaps, ShardRows};
 /// Section `[infer]`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Config {
+    /// What turns a map into a material.
+    pub estimator: Kind,
     /// The network.
     pub model: Model,
     /// What runs it.
@@ -27,6 +31,21 @@ pub struct Config {
     /// Maps that the estimator is given at once, 1 to 4,096: it takes those of like size together. The result does not
     /// depend on it.
     pub batch: u32,
+}
+
+/// What turns a map into a material.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Kind {
+    /// The network.
+    #[default]
+    Network,
+    /// Least squares in the known light.
+    Fit,
+}
+
+impl Choice for Kind {
+    const NAMES: &'static [(&'static str, Self)] = &[("network", Kind::Network), ("fit", Kind::Fit)];
 }
 
 /// The network that infers.
@@ -60,7 +79,13 @@ impl Model {
 
 impl Default for Config {
     fn default() -> Self {
-        Config { model: Model::built_in(), backend: Backend::Auto, library: None, batch: 4096 }
+        Config {
+            estimator: Kind::Network,
+            model: Model::built_in(),
+            backend: Backend::Auto,
+            library: None,
+            batch: 4096,
+        }
     }
 }
 
@@ -90,6 +115,8 @@ impl Config {
 pub struct Infer<'a> {
     /// The network.
     pub estimator: &'a dyn Estimator,
+    /// The light of the triangles, for an estimator that wants to know it.
+    pub light: Option<SceneLight<'a>>,
     /// Filled bins that a triangle needs for a material of its own.
     pub min_bins: usize,
     /// Maps that the estimator is given at once: the more, the fuller its micro-batches.
@@ -128,7 +155,11 @@ impl Map for Infer<'_> {
         for batch in asked.chunks(self.batch.max(1)) {
             let maps: Vec<&SparseMap> = batch.iter().map(|(_, map)| *map).collect();
             scratch.answers.resize(maps.len(), Material::default());
-            scratch.session.estimate(&maps, None, &mut scratch.answers)?;
+            let local = |light: &SceneLight<'_>| -> Vec<LocalLight> {
+                batch.iter().map(|(slot, _)| light.local(rows[*slot].0)).collect()
+            };
+            let lights = self.light.as_ref().map(local);
+            scratch.session.estimate(&maps, lights.as_deref(), &mut scratch.answers)?;
             for ((slot, _), material) in batch.iter().zip(&scratch.answers) {
                 rows[*slot].1 = material.to_array();
             }
@@ -149,6 +180,7 @@ mod tests {
     fn faults_are_found_together() {
         assert_eq!(Config::default().check(), []);
         let config = Config {
+            estimator: Kind::Network,
             model: Model::BuiltIn("gonio-lobe-smal".into()),
             backend: Backend::Embedded,
             library: Some("libonnxruntime.so".into()),

@@ -10,6 +10,7 @@ pub mod fill;
 pub mod frames;
 pub mod gather;
 pub mod infer;
+pub mod light;
 pub mod merge;
 pub mod shards;
 

@@ -7,6 +7,7 @@ mod budget;
 mod changes;
 mod files;
 mod kills;
+mod lit;
 mod ran;
 mod reduce;
 mod runs;

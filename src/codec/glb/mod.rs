@@ -36,7 +36,8 @@ const FLOAT: u32 = 5126;
 const NEAREST: u32 = 9728;
 const CLAMP_TO_EDGE: u32 = 33_071;
 
-/// Writes a mesh with a material on every triangle; rows of texels are all that is held. `up` is any vector but 0, `path` is what errors name; `out` had better
+/// Writes a mesh with a material on every triangle; rows of texels are all that is held. `up` is any vector but 0, `path`
+/// is what errors name; `out` had better
 /// be buffered.
 ///
 /// # Errors

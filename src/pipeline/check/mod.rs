@@ -7,9 +7,9 @@ use std::path::Path;
 use super::problem::{Problem, Problems, unknown};
 use super::raw::{self, Node, Table};
 use super::section::{Leads, Reading, Section, To};
-use super::{IMAGES, Light, LightMode, MESH, MODEL, Pipeline, Poses, PosesFormat, Run, Scene, Synth};
+use super::{IMAGES, MESH, MODEL, Pipeline, Poses, PosesFormat, Run, Scene, Synth};
 use crate::base::units::Bytes;
-use crate::stages::{Fault, cast, decode, export, gather, infer, merge};
+use crate::stages::{Fault, cast, decode, export, gather, infer, light, merge};
 use crate::synth::city::CityConfig;
 
 /// Every section with its keys. Sections within sections are keys of them.
@@ -19,9 +19,9 @@ pub const SECTIONS: [(&str, &[&str]); 10] = [
     ("decode", &["transfer", "gamma", "exposure", "downscale"]),
     ("cast", &["tile"]),
     ("gather", &["shadow", "group"]),
-    ("infer", &["model", "backend", "library", "batch"]),
+    ("infer", &["estimator", "model", "backend", "library", "batch"]),
     ("merge", &["min_bins", "fill"]),
-    ("light", &["mode"]),
+    ("light", &["mode", "sun", "color", "sky"]),
     ("export", &["formats", "up"]),
     ("run", &["work", "memory", "threads"]),
 ];
@@ -73,6 +73,7 @@ fn pipeline(reading: &Reading<'_>, root: &Table, file: &Path) -> Pipeline {
         Section::open(reading, name, keys, root.get(name))
     };
     let synth = root.get("synth").map(|_| synth(reading, &section("synth")));
+    let light = light(&section("light"));
     Pipeline {
         file: file.to_owned(),
         scene: scene(reading, &section("scene"), synth.as_ref()),
@@ -80,9 +81,9 @@ fn pipeline(reading: &Reading<'_>, root: &Table, file: &Path) -> Pipeline {
         decode: decode(&section("decode")),
         cast: cast(&section("cast")),
         gather: gather(&section("gather")),
-        infer: infer(&section("infer")),
+        infer: infer(&section("infer"), &light),
         merge: merge(&section("merge")),
-        light: Light { mode: section("light").choice("mode", LightMode::Unknown) },
+        light,
         export: export(&section("export")),
         run: run(&section("run")),
     }
@@ -201,7 +202,7 @@ fn gather(s: &Section<'_>) -> gather::Config {
     checked(s, config, gather::Config::check)
 }
 
-fn infer(s: &Section<'_>) -> infer::Config {
+fn infer(s: &Section<'_>, light: &light::Config) -> infer::Config {
     let d = infer::Config::default();
     let file = |missing| Leads { to: To::File, made: None, missing };
     let named = s.meaning("model", d.model, |name| {
@@ -215,7 +216,13 @@ fn infer(s: &Section<'_>) -> infer::Config {
         built_in => built_in,
     };
     let library = "name the library file, as libonnxruntime.so, or take the key out";
+    let estimator = s.choice("estimator", d.estimator);
+    if estimator == infer::Kind::Fit && light.mode == light::Mode::Unknown {
+        let hint = "set [light] mode = \"known\" and its sun, or estimator = \"network\"";
+        s.faults(vec![Fault::new("estimator", "needs a known light where it is \"fit\"", "an unknown one").hint(hint)]);
+    }
     let config = infer::Config {
+        estimator,
         model,
         backend: s.choice("backend", d.backend),
         library: s.path("library", file(library)),
@@ -228,6 +235,17 @@ fn merge(s: &Section<'_>) -> merge::Config {
     let d = merge::Config::default();
     let config = merge::Config { min_bins: s.whole("min_bins", d.min_bins), fill: s.truth("fill", d.fill) };
     checked(s, config, merge::Config::check)
+}
+
+fn light(s: &Section<'_>) -> light::Config {
+    let d = light::Config::default();
+    let config = light::Config {
+        mode: s.choice("mode", d.mode),
+        sun: s.numbers("sun", d.sun),
+        color: s.numbers("color", d.color),
+        sky: s.numbers("sky", d.sky),
+    };
+    checked(s, config, light::Config::check)
 }
 
 fn export(s: &Section<'_>) -> export::Config {

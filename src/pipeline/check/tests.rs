@@ -119,7 +119,7 @@ x = 1
     p.toml:25:2: trace: no such section; the known ones are synth, scene, decode, cast, gather, infer, merge, light, export, run
     --set takes section.key=value; got "cast=3"
     --set export.up: must be a finite vector that is not zero, as [0, 0, 1]; got [0.0, 0.0, 0.0]
-    --set light.mode: must be "unknown"; got "sun"
+    --set light.mode: must be "unknown" or "known"; got "sun"
     --set scene.masks: must be a path; got ""
     "#);
 }

@@ -13,8 +13,8 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::fit::Fit;
 use super::plan::{self, Inputs};
+use super::readable::Readable;
 use super::report::{Phase, Stage, Triangles};
 use super::room::Room;
 use super::scene::{self, Loaded, SCENES};
@@ -24,13 +24,14 @@ use crate::base::units::Bytes;
 use crate::base::{Error, Result, memory};
 use crate::disk::{DirStore, Lock, Manifest, MemStore, Opening, Store};
 use crate::flow::{Budget, Meter, StopSignal};
-use crate::model::{self, Estimator};
+use crate::model::{self, Estimator, Fit};
 use crate::scene::evidence::Filled;
 use crate::scene::reflectance::Kind;
 use crate::stages::export::Format;
 use crate::stages::gather::{FRAMES, SEGMENTS};
 use crate::stages::merge::{EVIDENCE, MATERIALS};
 use crate::stages::shards::SHARDS;
+use crate::stages::{infer, light};
 use crate::synth::city;
 
 pub use export::{export, finished};
@@ -95,14 +96,17 @@ fn open(store: &Arc<dyn Store>, progress: &Progress) -> Result<Manifest> {
     Ok(manifest)
 }
 
-/// Loads the network and checks that it eats what scenes give.
+/// Makes the estimator. A network is loaded, and must eat what scenes give.
 pub fn estimator(pipeline: &Pipeline) -> Result<Box<dyn Estimator>> {
     let config = &pipeline.infer;
+    if config.estimator == infer::Kind::Fit {
+        return Ok(Box::new(Fit::default()));
+    }
     let estimator = model::load(&config.model.source(), config.backend, config.library.as_deref())?;
     estimator.contract().require(Kind::Lobe)?;
-    if estimator.contract().light {
+    if estimator.contract().light && pipeline.light.mode == light::Mode::Unknown {
         return Err(Error::invalid(format!(
-            "{} wants to know the light, and [light] mode is \"unknown\": choose a model without a `light` input",
+            "{} wants to know the light, and [light] mode is \"unknown\": make it known, or choose a model without a `light` input",
             estimator.describe()
         )));
     }
@@ -145,7 +149,7 @@ impl<'a> Run<'a> {
         let base = plan::base();
         let (mut loaded, groups) = self.phase("load", vec![], |run| {
             let loaded = Loaded::open(run.pipeline, &*run.store, manifest, base)?;
-            let fit = Fit::of(run.pipeline, &loaded, base);
+            let fit = Readable::of(run.pipeline, &loaded, base);
             let mut inputs = Inputs::of(run.pipeline, &loaded, &*estimator, base, &fit)?;
             Plan::new(run.pipeline, inputs).fits()?;
             let groups = resume::groups(run.pipeline, manifest, loaded.mesh_key, &loaded.frames, Some(&fit));
@@ -230,7 +234,7 @@ pub fn plan(pipeline: &Pipeline) -> Result<(Plan, Room, String)> {
     let estimator = estimator(pipeline)?;
     let base = plan::base();
     let loaded = Loaded::planned(pipeline, base)?;
-    let fit = Fit::of(pipeline, &loaded, base);
+    let fit = Readable::of(pipeline, &loaded, base);
     let mut inputs = Inputs::of(pipeline, &loaded, &*estimator, base, &fit)?;
     if Plan::new(pipeline, inputs).fits().is_ok() {
         inputs.trial = Trial::of(pipeline, &loaded, base, &fit)?;

@@ -15,6 +15,7 @@ use crate::pipeline::{resume, shards};
 use crate::shard::{merge_least, merge_need};
 use crate::stages::gather::Group;
 use crate::stages::infer::Infer;
+use crate::stages::light::SceneLight;
 use crate::stages::merge::{self, Materials, TABLES};
 use crate::stages::shards::{Keep, Merged, SHARD, Shard};
 
@@ -29,7 +30,7 @@ impl Run<'_> {
         manifest: &mut Manifest,
     ) -> Result<(Materials, Recipe)> {
         let triangles = loaded.mesh.len();
-        let all = shards::of_groups(self.pipeline, estimator, &*self.store, manifest, groups, triangles)?;
+        let all = shards::of_groups(self.pipeline, estimator, &*self.store, manifest, groups, loaded)?;
         let tables = shards::tables(self.pipeline, loaded.mesh_key, &all);
         resume::forget_others(manifest, SHARD, all.iter().map(|shard| &shard.recipe))?;
         resume::forget_others(manifest, TABLES, [&tables])?;
@@ -38,7 +39,7 @@ impl Run<'_> {
         let (total, inferred) = (all.len() as u64, to_do.len() as u64);
         self.report.shards = ShardCounts { total, inferred, resumed: total - inferred };
         if !to_do.is_empty() {
-            self.infer(&to_do, groups, estimator, manifest)?;
+            self.infer(loaded, &to_do, groups, estimator, manifest)?;
         }
         if let Some(files) = manifest.files(&tables.unit()) {
             files.iter().try_for_each(|file| file.verify(&*self.store).map(drop))?;
@@ -55,6 +56,7 @@ impl Run<'_> {
 
     fn infer(
         &mut self,
+        loaded: &Loaded,
         shards: &[Shard],
         groups: &[Group],
         estimator: &dyn Estimator,
@@ -66,10 +68,14 @@ impl Run<'_> {
         let share = inputs.share(self.budget.left()).map_err(|missing| self.budget.missing("infer", missing))?;
         let held = self.budget.reserve("infer", share.inferring)?;
         let (min_bins, batch) = (self.pipeline.merge.min_bins as usize, self.pipeline.infer.batch as usize);
+        let bvh = loaded.bvh();
+        let config = &self.pipeline.light;
+        let light = estimator.contract().light;
+        let light = light.then(|| SceneLight::new(config, &loaded.mesh, &bvh, self.pipeline.export.up));
         let budget = self.budget.clone();
         let merged = Merged { segments: &segments, shards, budget: &budget, room: share.room() };
         let flow = Flow::source(&self.stop, "shards", merged)
-            .map("infer", Infer { estimator, min_bins, batch }, share.workers, QUEUE)
+            .map("infer", Infer { estimator, light, min_bins, batch }, share.workers, QUEUE)
             .fold("keep", Keep::new(shards, Arc::clone(&self.store), manifest), QUEUE);
         self.phase("infer", flow.meters(), |_| flow.run())?;
         drop(held);

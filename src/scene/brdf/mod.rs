@@ -11,11 +11,15 @@
 //!
 //! Directions are unit vectors in the surface's frame, +z its normal, pointing away from the surface.
 
+mod sky;
+
 use std::f32::consts::{FRAC_1_PI, PI};
 
 use glam::Vec3;
 
 use super::Material;
+
+pub use sky::{radical_inverse, sky_specular};
 
 /// Index of refraction of the dielectric interface; F at normal incidence is 0.04.
 pub const ETA: f32 = 1.5;

@@ -11,7 +11,7 @@ use crate::scene::frame::Frame;
 
 /// What reading each frame takes, and the memory for one.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct Fit {
+pub struct Readable {
     /// Bytes that are left for a frame where it is the only one under way.
     pub room: u64,
     /// Bytes that reading takes, frame by frame; `None` where the file's header does not say. Such a frame is skipped for
@@ -19,9 +19,9 @@ pub struct Fit {
     pub needs: Vec<Option<u64>>,
 }
 
-impl Fit {
+impl Readable {
     /// Looks at the headers of all images, for a process that holds `base` bytes before it reads a scene.
-    pub fn of(pipeline: &Pipeline, loaded: &Loaded, base: u64) -> Fit {
+    pub fn of(pipeline: &Pipeline, loaded: &Loaded, base: u64) -> Readable {
         let decode = loaded.decode(pipeline, "");
         // Files that have not been made yet will be JPEGs.
         let made = pipeline.synth.is_none() || pipeline.scene.images.exists();
@@ -31,7 +31,7 @@ impl Fit {
             Err(_) => Some(Need::usual(pixels(pipeline, frame)).peak),
         };
         let room = share::frame_room(pipeline.cast.tile, pipeline.run.memory.0.saturating_sub(base));
-        Fit { room, needs: loaded.frames.par_iter().map(need).collect() }
+        Readable { room, needs: loaded.frames.par_iter().map(need).collect() }
     }
 
     /// What reading a frame takes.
@@ -69,12 +69,12 @@ mod tests {
 
     #[test]
     fn what_is_too_large_does_not_count() {
-        let fit = |room| Fit { room, needs: vec![Some(30), None, Some(10), Some(20)] };
+        let fit = |room| Readable { room, needs: vec![Some(30), None, Some(10), Some(20)] };
         assert_eq!((fit(30).largest(), fit(30).too_large()), (30, (0, 0)));
         assert_eq!((fit(29).largest(), fit(29).too_large()), (20, (1, 30)));
         assert_eq!((fit(9).largest(), fit(9).too_large()), (10, (3, 30)), "none fits");
         let large: Vec<FrameId> = (0..5).filter(|&id| fit(15).is_too_large(id)).collect();
         assert_eq!(large, [0, 3]);
-        assert_eq!(Fit::default().largest(), 0);
+        assert_eq!(Readable::default().largest(), 0);
     }
 }

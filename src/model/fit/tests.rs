@@ -1,0 +1,121 @@
+use glam::Vec3;
+use rand::{Rng, RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+
+use super::Fit;
+use crate::model::Estimator;
+use crate::scene::Material as M;
+
+use crate::scene::brdf;
+use crate::scene::light::LocalLight;
+use crate::scene::reflectance::{Bin, BinSum, SparseMap, bin_of};
+
+/// A map as a flight fills it: views spread over 5 to 75 degrees of theta and all azimuths, one to
+/// a bin, noise of a step of 8 bits, clipped at 1.
+fn map(rng: &mut Pcg64Mcg, m: &M, light: &LocalLight, bins: usize) -> SparseMap {
+    let mut all: Vec<(Bin, BinSum)> = Vec::new();
+    while all.len() < bins {
+        let (theta, phi) = (rng.random_range(5f32..75.0).to_radians(), rng.random_range(0.0..std::f32::consts::TAU));
+        let wo = Vec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos());
+        let bin = bin_of(wo);
+        if all.iter().any(|(other, _)| *other == bin) {
+            continue;
+        }
+        let sun = light.sun * brdf::radiance(m, light.direction, wo);
+        let sky = light.sky * (Vec3::from(m.kd) + Vec3::from(m.ks) * brdf::sky_specular(m.r, wo.z));
+        let told = sun + sky + Vec3::from_array([0; 3].map(|_| noise(rng) / 255.0));
+        let clipped = told.max_element() > 1.0;
+        all.push((bin, BinSum::one(told.clamp(Vec3::ZERO, Vec3::ONE).to_array(), clipped)));
+    }
+    all.sort_unstable_by_key(|(bin, _)| *bin);
+    SparseMap { bins: all }
+}
+
+/// Of about the normal distribution.
+fn noise(rng: &mut impl Rng) -> f32 {
+    (0..12).map(|_| rng.random::<f32>()).sum::<f32>() - 6.0
+}
+
+fn light(rng: &mut Pcg64Mcg) -> LocalLight {
+    let (z, phi) = (rng.random_range(0.1f32..1.0), rng.random_range(0.0..std::f32::consts::TAU));
+    let s = (1.0 - z * z).sqrt();
+    LocalLight { direction: Vec3::new(s * phi.cos(), s * phi.sin(), z), sun: Vec3::ONE, sky: Vec3::ZERO }
+}
+
+/// Mean absolute errors of kd, ks and r over random materials; `wrong` changes the light that the fit is told.
+fn errors(bins: usize, sky: Vec3, wrong: impl Fn(LocalLight) -> LocalLight) -> [f32; 3] {
+    let mut rng = Pcg64Mcg::seed_from_u64(bins as u64);
+    let mut session = Fit::default().session().unwrap();
+    let mut sums = [0.0; 3];
+    let count = 1000;
+    for _ in 0..count {
+        let truth = M::from(std::array::from_fn(|_| rng.random::<f32>()));
+        let light = LocalLight { sky, ..light(&mut rng) };
+        let map = map(&mut rng, &truth, &light, bins);
+        let mut found = [M::default()];
+        session.estimate(&[&map], Some(&[wrong(light)]), &mut found).unwrap();
+        let off: Vec<f32> = truth.to_array().iter().zip(found[0].to_array()).map(|(a, b)| (a - b).abs()).collect();
+        sums[0] += off[..3].iter().sum::<f32>() / 3.0;
+        sums[1] += off[3..6].iter().sum::<f32>() / 3.0;
+        sums[2] += off[6];
+    }
+    sums.map(|s| s / count as f32)
+}
+
+#[test]
+fn materials_under_a_known_sun_come_back() {
+    for (bins, most) in [(8, [0.01, 0.24, 0.21]), (16, [0.01, 0.21, 0.18]), (64, [0.01, 0.17, 0.13])] {
+        let found = errors(bins, Vec3::ZERO, |light| light);
+        println!("{bins} bins: kd, ks, r {found:?}");
+        assert!(found.iter().zip(most).all(|(found, most)| *found < most), "{bins} bins: {found:?}");
+    }
+}
+
+#[test]
+fn a_sun_three_degrees_off_is_borne() {
+    let turned = |light: LocalLight| {
+        let axis = light.direction.any_orthonormal_vector();
+        let direction = glam::Quat::from_axis_angle(axis, 3f32.to_radians()) * light.direction;
+        LocalLight { direction, ..light }
+    };
+    let found = errors(16, Vec3::new(0.16, 0.19, 0.24), turned);
+    println!("3 degrees off: kd, ks, r {found:?}");
+    assert!(found[0] < 0.04, "{found:?}");
+}
+
+#[test]
+fn shadow_and_nothing_fall_back_on_the_prior() {
+    let mut session = Fit::default().session().unwrap();
+    let dark = LocalLight { direction: Vec3::Z, sun: Vec3::ZERO, sky: Vec3::ZERO };
+    let map = SparseMap { bins: vec![(5, BinSum::one([0.0; 3], false))] };
+    let mut found = [M::default(); 2];
+    session.estimate(&[&map, &SparseMap::default()], Some(&[dark, dark]), &mut found).unwrap();
+    for m in found {
+        assert!(m.kd == [0.25; 3] && m.ks == [0.35; 3] && (m.r - 0.5).abs() < 1e-3, "{m:?}");
+    }
+    // Under the sky alone a matt surface is as bright as it is white.
+    let sky = LocalLight { sky: Vec3::splat(0.2), ..dark };
+    let truth = M { kd: [0.2, 0.5, 0.8], ks: [0.0; 3], r: 0.5 };
+    let rgb = (Vec3::from(truth.kd) * 0.2).to_array();
+    let map = SparseMap { bins: (0..8).map(|i| (i * 240, BinSum::one(rgb, false))).collect() };
+    session.estimate(&[&map], Some(&[sky]), &mut found[..1]).unwrap();
+    assert!(found[0].kd.iter().zip(truth.kd).all(|(a, b)| (a - b).abs() < 0.06), "{found:?}");
+}
+
+#[test]
+fn an_outlier_frame_counts_for_little() {
+    let mut rng = Pcg64Mcg::seed_from_u64(3);
+    let truth = M { kd: [0.3, 0.4, 0.2], ks: [0.2; 3], r: 0.7 };
+    let light = LocalLight { direction: Vec3::new(0.6, 0.0, 0.8), sun: Vec3::ONE, sky: Vec3::splat(0.1) };
+    let mut map = map(&mut rng, &truth, &light, 16);
+    map.bins[7].1 = BinSum::one([0.9, 0.1, 0.1], false);
+    let mut found = [M::default()];
+    Fit::default().session().unwrap().estimate(&[&map], Some(&[light]), &mut found).unwrap();
+    assert!(found[0].kd.iter().zip(truth.kd).all(|(a, b)| (a - b).abs() < 0.03), "{found:?}");
+}
+
+#[test]
+fn lights_are_needed() {
+    let said = Fit::default().session().unwrap().estimate(&[&SparseMap::default()], None, &mut [M::default()]);
+    assert!(said.unwrap_err().to_string().contains("as many lights"));
+}

@@ -1,0 +1,60 @@
+//! Whole runs in a known light.
+
+use std::path::Path;
+
+use gonio::codec::npy;
+use tempfile::TempDir;
+
+use crate::files::{city, outputs};
+use crate::ran::Ran;
+
+/// The city's sun and sky; a list has no blanks here, since arguments are told apart by them.
+const LIGHT: &str = "infer.estimator=fit light.mode=known light.sky=[0.16,0.19,0.24] \
+                     light.sun=[-0.45634598,-0.50682354,0.73135370]";
+
+fn run(dir: &TempDir, work: &str, sets: &str) -> Ran {
+    let sets: String = sets.split_whitespace().map(|set| format!(" --set {set}")).collect();
+    let ran = Ran::gonio(dir.path(), &format!("run p.toml --set run.work={work}{sets}"));
+    ran.ends(0);
+    ran
+}
+
+/// Mean absolute error of kd over the triangles that were seen, and of the mean radiance in its place.
+fn errors(dir: &Path, work: &str) -> [f64; 2] {
+    let rows = |name: &str| npy::read_rows::<7>(&dir.join(name)).unwrap();
+    let (truth, found) = (rows("truth/materials.npy"), rows(&format!("{work}/materials.npy")));
+    let evidence = npy::read_rows::<10>(&dir.join(work).join("evidence.npy")).unwrap();
+    let (mut sums, mut count) = ([0.0; 2], 0.0);
+    for ((truth, found), evidence) in truth.iter().zip(&found).zip(&evidence).filter(|(_, e)| e[9] == 0.0) {
+        for c in 0..3 {
+            sums[0] += f64::from((truth[c] - found[c]).abs());
+            sums[1] += f64::from((truth[c] - evidence[6 + c].min(1.0)).abs());
+            count += 1.0;
+        }
+    }
+    sums.map(|sum| sum / count)
+}
+
+#[test]
+fn a_known_light_gives_the_colours_back() {
+    let dir = city();
+    run(&dir, "fit", LIGHT).says("2 (2 inferred, 0 from before)");
+    run(&dir, "network", "");
+    let ([fit, plain], [network, _]) = (errors(dir.path(), "fit"), errors(dir.path(), "network"));
+    assert!(fit < 0.6 * plain && fit < 0.6 * network, "fit {fit}, mean radiance {plain}, network {network}");
+    // One thread and small tiles give the same bytes, and another sun is another answer.
+    run(&dir, "again", &format!("{LIGHT} run.threads=1 cast.tile=8 infer.batch=7"));
+    assert!(outputs(&dir.path().join("fit")) == outputs(&dir.path().join("again")));
+    let other = run(&dir, "fit", &format!("{LIGHT} light.color=[0.9,1,1]"));
+    other.says("10 (0 cast, 10 from before").says("2 (2 inferred, 0 from before)");
+    assert!(outputs(&dir.path().join("fit")) != outputs(&dir.path().join("again")));
+}
+
+#[test]
+fn a_fit_without_a_light_is_refused_at_its_line() {
+    let dir = city();
+    let ran = Ran::gonio(dir.path(), "check p.toml --set infer.estimator=fit");
+    ran.ends(2).says("infer.estimator: needs a known light");
+    let ran = Ran::gonio(dir.path(), "check p.toml --set infer.estimator=fit --set light.mode=known");
+    ran.ends(2).says("light.sun: must point towards the sun");
+}
