@@ -7,8 +7,7 @@ use std::path::Path;
 
 use criterion::{Criterion, SamplingMode, Throughput, criterion_group, criterion_main};
 use glam::Vec3;
-use gonio::model::{self, Backend, Estimator, Fit, ModelSource};
-use gonio::scene::Material;
+use gonio::model::{self, Backend, Estimate, Estimator, Fit, ModelSource};
 use gonio::scene::light::LocalLight;
 use gonio::scene::reflectance::{Bin, BinSum, FRONT_BINS, SparseMap};
 
@@ -40,7 +39,7 @@ fn infer(criterion: &mut Criterion) {
         group.throughput(Throughput::Elements(MAPS as u64)).sampling_mode(SamplingMode::Flat).sample_size(20);
         for threads in [1, 2] {
             let mut sessions: Vec<_> = (0..threads).map(|_| model.session().expect("a session")).collect();
-            let mut out = vec![Material::default(); MAPS];
+            let mut out = vec![Estimate::default(); MAPS];
             group.bench_function(format!("{threads} thread{}", if threads == 1 { "" } else { "s" }), |b| {
                 b.iter(|| {
                     let share = MAPS / threads;

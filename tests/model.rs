@@ -12,8 +12,7 @@ use std::path::{Path, PathBuf};
 
 use glam::Vec3;
 use gonio::base::Result;
-use gonio::model::{self, Backend, Estimator, ModelSource};
-use gonio::scene::Material;
+use gonio::model::{self, Backend, Estimate, Estimator, ModelSource};
 use gonio::scene::light::LocalLight;
 use gonio::scene::reflectance::{Bin, BinSum, FRONT_BINS, Kind, SparseMap};
 use rand::{RngExt, SeedableRng};
@@ -69,13 +68,13 @@ fn estimate<'a>(model: &dyn Estimator, maps: impl IntoIterator<Item = &'a Sparse
     let maps: Vec<&SparseMap> = maps.into_iter().collect();
     // The light follows from the map, wherever the map lies in a batch.
     let light = |m: &&SparseMap| sun(if m.bins.len().is_multiple_of(2) { 0.8 } else { -0.8 });
-    let mut out = vec![Material::default(); maps.len()];
+    let mut out = vec![Estimate::default(); maps.len()];
     for (maps, out) in maps.chunks(batch).zip(out.chunks_mut(batch)) {
         let lights: Vec<LocalLight> = maps.iter().map(light).collect();
         let lights = model.contract().light.then_some(lights.as_slice());
         model.session().unwrap().estimate(maps, lights, out).unwrap();
     }
-    out.into_iter().map(Material::to_array).collect()
+    out.into_iter().map(|estimate| estimate.material.to_array()).collect()
 }
 
 #[test]
@@ -206,7 +205,7 @@ fn calls_that_do_not_fit_are_refused() {
         (&light, &[&map], None, "needs a light beside each map; 0 came"),
         (&light, &[&map], Some(&[sun(0.8); 2][..]), "2 came"),
     ] {
-        let said = model.session().unwrap().estimate(maps, lights, &mut [Material::default()]).unwrap_err().to_string();
+        let said = model.session().unwrap().estimate(maps, lights, &mut [Estimate::default()]).unwrap_err().to_string();
         assert!(said.contains(words), "{said}");
     }
     four.session().unwrap().estimate(&[], None, &mut []).unwrap();

@@ -75,7 +75,29 @@ pub trait Session: Send {
     ///
     /// # Errors
     /// Lengths that do not fit, a failing engine, or a component that is no number or outside [0, 1] by over 1e-4.
-    fn estimate(&mut self, maps: &[&SparseMap], lights: Option<&[LocalLight]>, out: &mut [Material]) -> Result<()>;
+    fn estimate(&mut self, maps: &[&SparseMap], lights: Option<&[LocalLight]>, out: &mut [Estimate]) -> Result<()>;
+}
+
+/// What a map says of its triangle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Estimate {
+    /// The material.
+    pub material: Material,
+    /// Standard deviations of its components, in the order of [`Material::NAMES`]; NaN where the estimator does not say.
+    pub deviation: [f32; Material::LEN],
+}
+
+impl Default for Estimate {
+    fn default() -> Self {
+        Estimate::without_deviation(Material::default())
+    }
+}
+
+impl Estimate {
+    /// A material, and nothing about how sure it is.
+    pub fn without_deviation(material: Material) -> Estimate {
+        Estimate { material, deviation: [f32::NAN; Material::LEN] }
+    }
 }
 
 /// Which engine runs the model.

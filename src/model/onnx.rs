@@ -12,7 +12,7 @@ use super::contract::Contract;
 use super::embedded::{self, Plan};
 use super::library::{self, Choice, Library};
 use super::runtime::{self, OnnxRuntime};
-use super::{Backend, Estimator, ModelSource, Session};
+use super::{Backend, Estimate, Estimator, ModelSource, Session};
 use crate::base::key::{Key, KeyBuilder};
 use crate::base::units::Bytes;
 use crate::base::{Error, Result};
@@ -71,7 +71,7 @@ pub(super) fn load(source: &ModelSource, backend: Backend, library: Option<&Path
     let lights = vec![up; maps.len()];
     let lights = model.contract.light.then_some(lights.as_slice());
     let maps: Vec<&SparseMap> = maps.iter().collect();
-    model.session()?.estimate(&maps, lights, &mut vec![Material::default(); maps.len()])?;
+    model.session()?.estimate(&maps, lights, &mut vec![Estimate::default(); maps.len()])?;
     Ok(Box::new(model))
 }
 
@@ -174,7 +174,7 @@ struct OnnxSession {
 }
 
 impl Session for OnnxSession {
-    fn estimate(&mut self, maps: &[&SparseMap], lights: Option<&[LocalLight]>, out: &mut [Material]) -> Result<()> {
+    fn estimate(&mut self, maps: &[&SparseMap], lights: Option<&[LocalLight]>, out: &mut [Estimate]) -> Result<()> {
         self.check(maps.len(), lights, out.len())?;
         let lights = lights.unwrap_or_default();
         let input = self.contract.input;
@@ -184,7 +184,7 @@ impl Session for OnnxSession {
                 self.run(size, input.values(bins), chunk, maps, lights)?;
                 for (&i, mu) in chunk.iter().zip(self.mu.chunks_exact(Material::LEN)) {
                     let fault = |found| Error::malformed(&self.contract.model, format!("map {i} of {found}"));
-                    out[i] = material(mu).map_err(fault)?;
+                    out[i] = Estimate::without_deviation(material(mu).map_err(fault)?);
                 }
             }
         }

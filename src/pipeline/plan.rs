@@ -19,7 +19,7 @@ use crate::base::units::Bytes;
 use crate::base::{Error, Result, memory};
 use crate::cache;
 use crate::flow::pool;
-use crate::model::{Estimator, Session};
+use crate::model::{Estimate, Estimator, Session};
 use crate::scene::Material;
 use crate::scene::evidence::Evidence;
 use crate::scene::frame::Frame;
@@ -184,7 +184,7 @@ fn trial(estimator: &dyn Estimator) -> Result<(f64, Box<dyn Session>)> {
     let maps: Vec<SparseMap> = (0..TRIED.next_multiple_of(estimator.micro_batch())).map(map).collect();
     let maps: Vec<&SparseMap> = maps.iter().collect();
     let mut session = estimator.session()?;
-    let mut answers = vec![Material::default(); maps.len()];
+    let mut answers = vec![Estimate::default(); maps.len()];
     let light = LocalLight { direction: Vec3::Z, sun: Vec3::ONE, sky: Vec3::ZERO };
     let lights = vec![light; maps.len()];
     let lights = estimator.contract().light.then_some(lights.as_slice());

@@ -1,5 +1,6 @@
 //! What stands behind a triangle's material: the columns of `evidence.npy` and of the PLY.
 
+use super::Material;
 use super::reflectance::{COLUMNS, ROWS, SparseMap};
 
 /// The evidence of one triangle.
@@ -22,6 +23,9 @@ pub struct Evidence {
     pub mean_radiance: [f32; 3],
     /// Where the material comes from.
     pub filled: Filled,
+    /// Standard deviations of the material's components, in the order of [`Material::NAMES`]: two thirds of the truths lie
+    /// within one. NaN where the estimator does not say, and where the material is not of the triangle's own map.
+    pub deviation: [f32; Material::LEN],
 }
 
 /// Where a material comes from.
@@ -40,7 +44,7 @@ pub enum Filled {
 
 impl Evidence {
     /// Columns.
-    pub const LEN: usize = 10;
+    pub const LEN: usize = 10 + Material::LEN;
 
     /// The columns by name, in order.
     pub const NAMES: [&str; Self::LEN] = [
@@ -54,6 +58,13 @@ impl Evidence {
         "mean_radiance_g",
         "mean_radiance_b",
         "filled",
+        "kd_r_deviation",
+        "kd_g_deviation",
+        "kd_b_deviation",
+        "ks_r_deviation",
+        "ks_g_deviation",
+        "ks_b_deviation",
+        "roughness_deviation",
     ];
 
     /// The evidence that a map holds; `frames` saw the triangle.
@@ -84,6 +95,7 @@ impl Evidence {
             clipped_share: (clipped as f64 / observations.max(1) as f64) as f32,
             mean_radiance: mean.map(|m| (m / n) as f32),
             filled: Filled::Observed,
+            deviation: [f32::NAN; Material::LEN],
         }
     }
 
@@ -91,6 +103,7 @@ impl Evidence {
     pub fn to_array(self) -> [f32; Self::LEN] {
         let [r, g, b] = self.mean_radiance;
         let Evidence { observations, frames, bins, max_view_angle, radiance_spread, clipped_share, .. } = self;
+        let [d0, d1, d2, d3, d4, d5, d6] = self.deviation;
         [
             observations,
             frames,
@@ -102,12 +115,31 @@ impl Evidence {
             g,
             b,
             f32::from(self.filled as u8),
+            d0,
+            d1,
+            d2,
+            d3,
+            d4,
+            d5,
+            d6,
         ]
     }
 
     /// Evidence from a row of `evidence.npy`.
     pub fn from_array(row: [f32; Self::LEN]) -> Evidence {
-        let [observations, frames, bins, max_view_angle, radiance_spread, clipped_share, r, g, b, filled] = row;
+        let [
+            observations,
+            frames,
+            bins,
+            max_view_angle,
+            radiance_spread,
+            clipped_share,
+            r,
+            g,
+            b,
+            filled,
+            deviation @ ..,
+        ] = row;
         let filled = match filled as i32 {
             0 => Filled::Observed,
             1 => Filled::Neighbours,
@@ -115,7 +147,17 @@ impl Evidence {
             _ => Filled::Nothing,
         };
         let mean_radiance = [r, g, b];
-        Evidence { observations, frames, bins, max_view_angle, radiance_spread, clipped_share, mean_radiance, filled }
+        Evidence {
+            observations,
+            frames,
+            bins,
+            max_view_angle,
+            radiance_spread,
+            clipped_share,
+            mean_radiance,
+            filled,
+            deviation,
+        }
     }
 }
 
@@ -133,7 +175,9 @@ mod tests {
         assert_eq!((e.observations, e.frames, e.bins, e.max_view_angle), (3.0, 2.0, 2.0, 88.5));
         assert_eq!(e.mean_radiance, [0.5, 0.25, 0.0]);
         assert!((e.radiance_spread - 0.25).abs() < 1e-6 && (e.clipped_share - 1.0 / 3.0).abs() < 1e-6);
-        assert_eq!(Evidence::from_array(e.to_array()), e);
+        let known = Evidence { deviation: [0.25; 7], ..e };
+        assert_eq!(Evidence::from_array(known.to_array()), known);
+        assert!(e.deviation.iter().all(|d| d.is_nan()));
         assert_eq!(Evidence::of(&SparseMap::default(), 0), Evidence::default());
     }
 }

@@ -1,10 +1,10 @@
-//! What the reduce side found out about one shard. A sealed file, version 1. Integers and floats are little endian.
+//! What the reduce side found out about one shard. A sealed file, version 2. Integers and floats are little endian.
 //!
 //! ```text
 //! shard   u32
 //! rows    u32
 //! row     one per triangle that was observed, ascending: triangle u32, 7 f32 of `scene::Material` (NaN where there was
-//!         too little evidence), 10 f32 of `scene::evidence::Evidence`
+//!         too little evidence), 17 f32 of `scene::evidence::Evidence`
 //! ```
 
 use std::io::Write;
@@ -19,7 +19,7 @@ use crate::scene::evidence::Evidence;
 const SEAL: Seal = Seal { magic: *b"GONIOROW", version: VERSION, kind: "shard of materials" };
 
 /// Version of the layout above; part of every shard's key.
-pub const VERSION: u32 = 1;
+pub const VERSION: u32 = 2;
 
 /// Bytes of shard and rows.
 const HEADER: usize = 8;

@@ -9,7 +9,7 @@ use super::shards::Inferred;
 use super::{Choice, Fault};
 use crate::base::Result;
 use crate::flow::{Map, Outlet, Reservation};
-use crate::model::{BUILT_IN, Backend, Estimator, ModelSource, Session};
+use crate::model::{BUILT_IN, Backend, Estimate, Estimator, ModelSource, Session};
 use crate::scene::Material;
 use crate::scene::evidence::{Evidence, Filled};
 use crate::scene::light::LocalLight;
@@ -126,7 +126,7 @@ pub struct Infer<'a> {
 /// What a worker keeps from shard to shard.
 pub struct Scratch {
     session: Box<dyn Session>,
-    answers: Vec<Material>,
+    answers: Vec<Estimate>,
 }
 
 impl Map for Infer<'_> {
@@ -154,14 +154,15 @@ impl Map for Infer<'_> {
             shard.triangles.iter().map(|t| &t.2).enumerate().filter(|(_, map)| enough(map)).collect();
         for batch in asked.chunks(self.batch.max(1)) {
             let maps: Vec<&SparseMap> = batch.iter().map(|(_, map)| *map).collect();
-            scratch.answers.resize(maps.len(), Material::default());
+            scratch.answers.resize(maps.len(), Estimate::default());
             let local = |light: &SceneLight<'_>| -> Vec<LocalLight> {
                 batch.iter().map(|(slot, _)| light.local(rows[*slot].0)).collect()
             };
             let lights = self.light.as_ref().map(local);
             scratch.session.estimate(&maps, lights.as_deref(), &mut scratch.answers)?;
-            for ((slot, _), material) in batch.iter().zip(&scratch.answers) {
-                rows[*slot].1 = material.to_array();
+            for ((slot, _), answer) in batch.iter().zip(&scratch.answers) {
+                let (_, material, evidence) = &mut rows[*slot];
+                (*material, evidence.deviation) = (answer.material.to_array(), answer.deviation);
             }
         }
         let (number, more) = (shard.shard, shard.more);

@@ -44,10 +44,10 @@ impl Config {
 /// The unit of both tables.
 pub const TABLES: &str = "tables";
 /// Version of what this stage makes of the shards' rows; part of the tables' recipe.
-pub const VERSION: u32 = 1;
+pub const VERSION: u32 = 2;
 /// The table of materials, [F,7].
 pub const MATERIALS: &str = "materials.npy";
-/// The table of what stands behind them, [F,10].
+/// The table of what stands behind them, [F,17].
 pub const EVIDENCE: &str = "evidence.npy";
 
 /// Bytes of memory that merging holds for this many triangles, at most.
@@ -105,7 +105,7 @@ struct All<'a> {
 impl All<'_> {
     /// Tells of every triangle in order; of one that no shard has a row for, that there is nothing.
     fn each(&self, mut tell: impl FnMut(TriangleId, [f32; Material::LEN], Evidence) -> Result<()>) -> Result<()> {
-        let nothing = Evidence { filled: Filled::Nothing, ..Evidence::default() };
+        let nothing = Evidence { filled: Filled::Nothing, deviation: [f32::NAN; Material::LEN], ..Evidence::default() };
         let mut next = 0;
         for shard in self.shards {
             for (triangle, row, evidence) in shard.rows(self.store)?.rows {

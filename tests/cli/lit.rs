@@ -19,18 +19,21 @@ fn run(dir: &TempDir, work: &str, sets: &str) -> Ran {
     ran
 }
 
-/// Mean absolute error of kd over the triangles that were seen, and of the mean radiance in its place.
-fn errors(dir: &Path, work: &str) -> [f64; 2] {
+/// Over the triangles that were seen: the mean absolute error of kd, that of the mean radiance in its place, and the share of
+/// the seven components that are within one standard deviation.
+fn errors(dir: &Path, work: &str) -> [f64; 3] {
     let rows = |name: &str| npy::read_rows::<7>(&dir.join(name)).unwrap();
     let (truth, found) = (rows("truth/materials.npy"), rows(&format!("{work}/materials.npy")));
-    let evidence = npy::read_rows::<10>(&dir.join(work).join("evidence.npy")).unwrap();
-    let (mut sums, mut count) = ([0.0; 2], 0.0);
+    let evidence = npy::read_rows::<17>(&dir.join(work).join("evidence.npy")).unwrap();
+    let (mut sums, mut count) = ([0.0; 3], 0.0);
     for ((truth, found), evidence) in truth.iter().zip(&found).zip(&evidence).filter(|(_, e)| e[9] == 0.0) {
         for c in 0..3 {
             sums[0] += f64::from((truth[c] - found[c]).abs());
             sums[1] += f64::from((truth[c] - evidence[6 + c].min(1.0)).abs());
-            count += 1.0;
         }
+        let within = (0..7).filter(|&c| (truth[c] - found[c]).abs() <= evidence[10 + c]).count();
+        sums[2] += within as f64 * 3.0 / 7.0;
+        count += 3.0;
     }
     sums.map(|sum| sum / count)
 }
@@ -40,8 +43,9 @@ fn a_known_light_gives_the_colours_back() {
     let dir = city();
     run(&dir, "fit", LIGHT).says("2 (2 inferred, 0 from before)");
     run(&dir, "network", "");
-    let ([fit, plain], [network, _]) = (errors(dir.path(), "fit"), errors(dir.path(), "network"));
+    let ([fit, plain, within], [network, _, said]) = (errors(dir.path(), "fit"), errors(dir.path(), "network"));
     assert!(fit < 0.6 * plain && fit < 0.6 * network, "fit {fit}, mean radiance {plain}, network {network}");
+    assert!((0.55..0.85).contains(&within) && said == 0.0, "{within} of the truths within a deviation; {said}");
     // One thread and small tiles give the same bytes, and another sun is another answer.
     run(&dir, "again", &format!("{LIGHT} run.threads=1 cast.tile=8 infer.batch=7"));
     assert!(outputs(&dir.path().join("fit")) == outputs(&dir.path().join("again")));

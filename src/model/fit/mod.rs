@@ -11,7 +11,8 @@
 //! Pereyra, SIAM J. Numer. Anal. 10(2), 1973), kept in [0, 1]. Both have a Gaussian prior as wide as [0, 1], rather dark and
 //! rather matt, which decides where the map says nothing. How well each roughness explains the map, its evidence (MacKay, Neural Computation 4(3),
 //! 1992), weighs it, and the answer is the weighted mean: a map that shows a highlight has one roughness, and one that shows
-//! none gets the middle of those that are possible. A second pass gives less weight to bins that the first cannot explain,
+//! none gets the middle of those that are possible. Their spread, and that of kd and ks at each, is the standard deviation
+//! of the answer. A second pass gives less weight to bins that the first cannot explain,
 //! which something that passed by may have filled, and none to clipped bins that are brighter than what they say.
 
 mod session;

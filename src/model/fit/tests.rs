@@ -3,7 +3,7 @@ use rand::{Rng, RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
 use super::Fit;
-use crate::model::Estimator;
+use crate::model::{Estimate, Estimator};
 use crate::scene::Material as M;
 
 use crate::scene::brdf;
@@ -52,9 +52,10 @@ fn errors(bins: usize, sky: Vec3, wrong: impl Fn(LocalLight) -> LocalLight) -> [
         let truth = M::from(std::array::from_fn(|_| rng.random::<f32>()));
         let light = LocalLight { sky, ..light(&mut rng) };
         let map = map(&mut rng, &truth, &light, bins);
-        let mut found = [M::default()];
+        let mut found = [Estimate::default()];
         session.estimate(&[&map], Some(&[wrong(light)]), &mut found).unwrap();
-        let off: Vec<f32> = truth.to_array().iter().zip(found[0].to_array()).map(|(a, b)| (a - b).abs()).collect();
+        let off: Vec<f32> =
+            truth.to_array().iter().zip(found[0].material.to_array()).map(|(a, b)| (a - b).abs()).collect();
         sums[0] += off[..3].iter().sum::<f32>() / 3.0;
         sums[1] += off[3..6].iter().sum::<f32>() / 3.0;
         sums[2] += off[6];
@@ -88,9 +89,10 @@ fn shadow_and_nothing_fall_back_on_the_prior() {
     let mut session = Fit::default().session().unwrap();
     let dark = LocalLight { direction: Vec3::Z, sun: Vec3::ZERO, sky: Vec3::ZERO };
     let map = SparseMap { bins: vec![(5, BinSum::one([0.0; 3], false))] };
-    let mut found = [M::default(); 2];
+    let mut found = [Estimate::default(); 2];
     session.estimate(&[&map, &SparseMap::default()], Some(&[dark, dark]), &mut found).unwrap();
-    for m in found {
+    for Estimate { material: m, deviation } in found {
+        assert!(deviation.iter().all(|d| (0.2..0.3).contains(d)), "{deviation:?}");
         assert!(m.kd == [0.25; 3] && m.ks == [0.35; 3] && (m.r - 0.5).abs() < 1e-3, "{m:?}");
     }
     // Under the sky alone a matt surface is as bright as it is white.
@@ -99,7 +101,7 @@ fn shadow_and_nothing_fall_back_on_the_prior() {
     let rgb = (Vec3::from(truth.kd) * 0.2).to_array();
     let map = SparseMap { bins: (0..8).map(|i| (i * 240, BinSum::one(rgb, false))).collect() };
     session.estimate(&[&map], Some(&[sky]), &mut found[..1]).unwrap();
-    assert!(found[0].kd.iter().zip(truth.kd).all(|(a, b)| (a - b).abs() < 0.06), "{found:?}");
+    assert!(found[0].material.kd.iter().zip(truth.kd).all(|(a, b)| (a - b).abs() < 0.06), "{found:?}");
 }
 
 #[test]
@@ -109,13 +111,13 @@ fn an_outlier_frame_counts_for_little() {
     let light = LocalLight { direction: Vec3::new(0.6, 0.0, 0.8), sun: Vec3::ONE, sky: Vec3::splat(0.1) };
     let mut map = map(&mut rng, &truth, &light, 16);
     map.bins[7].1 = BinSum::one([0.9, 0.1, 0.1], false);
-    let mut found = [M::default()];
+    let mut found = [Estimate::default()];
     Fit::default().session().unwrap().estimate(&[&map], Some(&[light]), &mut found).unwrap();
-    assert!(found[0].kd.iter().zip(truth.kd).all(|(a, b)| (a - b).abs() < 0.03), "{found:?}");
+    assert!(found[0].material.kd.iter().zip(truth.kd).all(|(a, b)| (a - b).abs() < 0.03), "{found:?}");
 }
 
 #[test]
 fn lights_are_needed() {
-    let said = Fit::default().session().unwrap().estimate(&[&SparseMap::default()], None, &mut [M::default()]);
+    let said = Fit::default().session().unwrap().estimate(&[&SparseMap::default()], None, &mut [Estimate::default()]);
     assert!(said.unwrap_err().to_string().contains("as many lights"));
 }
