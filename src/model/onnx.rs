@@ -11,6 +11,7 @@ use glam::Vec3;
 use super::contract::Contract;
 use super::embedded::{self, Plan};
 use super::library::{self, Choice, Library};
+use super::pack::place;
 use super::runtime::{self, OnnxRuntime};
 use super::{Backend, Estimate, Estimator, ModelSource, Session};
 use crate::base::key::{Key, KeyBuilder};
@@ -178,8 +179,10 @@ impl Session for OnnxSession {
         self.check(maps.len(), lights, out.len())?;
         let lights = lights.unwrap_or_default();
         let input = self.contract.input;
-        for (size, bins) in input.sizes().into_iter().enumerate() {
-            let alike: Vec<usize> = (0..maps.len()).filter(|&i| input.size_of(maps[i]) == size).collect();
+        let sizes = input.sizes();
+        let places: Vec<usize> = maps.iter().map(|map| place(&sizes, map)).collect();
+        for (size, &bins) in sizes.iter().enumerate() {
+            let alike: Vec<usize> = (0..maps.len()).filter(|&i| places[i] == size).collect();
             for chunk in alike.chunks(self.batch) {
                 self.run(size, input.values(bins), chunk, maps, lights)?;
                 for (&i, mu) in chunk.iter().zip(self.mu.chunks_exact(Material::LEN)) {

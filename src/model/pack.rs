@@ -18,12 +18,6 @@ impl Input {
         }
     }
 
-    /// The place in [`Input::sizes`] of a map's size.
-    pub(super) fn size_of(self, map: &SparseMap) -> usize {
-        let sizes = self.sizes();
-        sizes.partition_point(|&size| size < map.bins.len()).min(sizes.len() - 1)
-    }
-
     /// Values of a map of this size.
     pub(super) fn values(self, size: usize) -> usize {
         size * match self {
@@ -39,6 +33,11 @@ impl Input {
             Input::Bins { most } => write_bins(map, most, out),
         }
     }
+}
+
+/// The place of a map's size among [`Input::sizes`].
+pub(super) fn place(sizes: &[usize], map: &SparseMap) -> usize {
+    sizes.partition_point(|&size| size < map.bins.len()).min(sizes.len() - 1)
 }
 
 impl Contract {
@@ -86,10 +85,10 @@ mod tests {
         let input = Input::Bins { most: 24 };
         assert_eq!(input.sizes(), [8, 16, 24]);
         for (bins, size) in [(0, 8), (8, 8), (9, 16), (17, 24), (24, 24), (25, 24), (3600, 24)] {
-            assert_eq!(input.sizes()[input.size_of(&map(0..bins))], size, "{bins}");
+            assert_eq!(input.sizes()[place(&input.sizes(), &map(0..bins))], size, "{bins}");
         }
         assert_eq!(Input::Bins { most: 8 }.sizes(), [8]);
-        assert_eq!(Input::Dense { channels: 4 }.size_of(&map(0..99)), 0);
+        assert_eq!(place(&Input::Dense { channels: 4 }.sizes(), &map(0..99)), 0);
     }
 
     #[test]

@@ -60,21 +60,9 @@ impl Node {
                 far[i] = larger(larger(low[axis][i].abs(), high[axis][i].abs()), far[i]);
             }
         }
-        let pad = far.map(|m| m * PAD + PAD_LEAST);
-        for axis in 0..3 {
-            for i in 0..WIDTH {
-                low[axis][i] -= pad[i];
-                high[axis][i] += pad[i];
-            }
-            if signs >> axis & 1 == 1 {
-                std::mem::swap(&mut low[axis], &mut high[axis]);
-            }
-        }
-        [low, high]
+        padded(low, high, far.map(|m| m * PAD + PAD_LEAST), signs)
     }
-}
 
-impl Node {
     /// The same for many rays, which start `apart` from `origin`, axis by axis, at least and at most so far: the planes that
     /// the first of them meets first and the last of them last.
     ///
@@ -96,18 +84,28 @@ impl Node {
                 high[axis][i] -= least;
             }
         }
-        let pad = far.map(|m| 2.0 * (m * PAD + PAD_LEAST));
-        for axis in 0..3 {
-            for i in 0..WIDTH {
-                low[axis][i] -= pad[i];
-                high[axis][i] += pad[i];
-            }
-            if signs >> axis & 1 == 1 {
-                std::mem::swap(&mut low[axis], &mut high[axis]);
-            }
-        }
-        [low, high]
+        padded(low, high, far.map(|m| 2.0 * (m * PAD + PAD_LEAST)), signs)
     }
+}
+
+/// Planes moved outwards by a pad, those that are met first before those that are met last.
+#[inline(always)]
+fn padded(
+    mut low: [[f32; WIDTH]; 3],
+    mut high: [[f32; WIDTH]; 3],
+    pad: [f32; WIDTH],
+    signs: u8,
+) -> [[[f32; WIDTH]; 3]; 2] {
+    for axis in 0..3 {
+        for i in 0..WIDTH {
+            low[axis][i] -= pad[i];
+            high[axis][i] += pad[i];
+        }
+        if signs >> axis & 1 == 1 {
+            std::mem::swap(&mut low[axis], &mut high[axis]);
+        }
+    }
+    [low, high]
 }
 
 /// The larger one; the second if either is no number, as the machine's instruction has it. A plane through the origin
