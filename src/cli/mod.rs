@@ -99,10 +99,9 @@ fn command(command: Command) -> Result<Ending, Failure> {
             Ok(Ending::Done)
         }
         Command::Plan { pipeline } => {
-            let (plan, room, estimator) = pipeline::plan(&load(&pipeline)?)?;
-            out(&plan::table(&plan, &room, &estimator));
-            plan.fits()?;
-            room.enough()?;
+            let foreseen = pipeline::plan(&load(&pipeline)?)?;
+            out(&plan::table(&foreseen));
+            foreseen.works()?;
             Ok(Ending::Done)
         }
         Command::Explain { pipeline } => {

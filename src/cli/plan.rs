@@ -3,10 +3,11 @@
 use super::progress::{clock, short};
 use super::report::Lines;
 use crate::base::units::Bytes;
-use crate::pipeline::{Plan, Room};
+use crate::disk::Room;
+use crate::pipeline::Foreseen;
 
 /// The plan as lines of text.
-pub fn table(plan: &Plan, room: &Room, estimator: &str) -> String {
+pub fn table(Foreseen { plan, room, city, estimator }: &Foreseen) -> String {
     let mut lines = Lines::default();
     let i = &plan.inputs;
     lines.row("frames", format!("{}, {} pixels", i.frames, short(i.pixels as f64)));
@@ -49,7 +50,10 @@ pub fn table(plan: &Plan, room: &Room, estimator: &str) -> String {
     }
     let (peak, phase) = plan.peak();
     lines.row("memory", format!("{} at most, in {phase}; the limit is {}", Bytes(peak), plan.memory));
-    lines.row("disk", disk(plan, room));
+    if let Some(city) = city {
+        lines.row("city", format!("about {}; {}", Bytes(city.needs), free(city)));
+    }
+    lines.row("disk", disk(plan.disk.total(), room));
     lines.row(
         "time",
         match plan.seconds() {
@@ -64,15 +68,14 @@ fn time(seconds: Option<f64>) -> String {
     seconds.map_or_else(|| "unknown".to_owned(), clock)
 }
 
-/// What is written, what of it is still to be, and the room for it.
-fn disk(plan: &Plan, room: &Room) -> String {
-    let (total, folder) = (plan.disk.total(), room.folder.display());
-    let mut text = format!("about {}", Bytes(total));
-    if room.needs < total {
-        text += &format!(", of which {} are still to be written", Bytes(room.needs));
-    }
-    match room.free {
-        Some(free) => text + &format!("; {} are free for {folder}", Bytes(free)),
-        None => text,
-    }
+/// What the run leaves, what is still to be written, and the room for it.
+fn disk(total: u64, room: &Room) -> String {
+    let still =
+        if room.needs == total { String::new() } else { format!("{} still to be written; ", Bytes(room.needs)) };
+    format!("about {}; {still}{}", Bytes(total), free(room))
+}
+
+fn free(room: &Room) -> String {
+    let bytes = room.free.map_or("unknown".to_owned(), |free| Bytes(free).to_string());
+    format!("{bytes} free for {}", room.folder.display())
 }

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::atomic::{AtomicFile, sync_folder_of};
+use super::room;
 use super::scratch::Spool;
 use super::store::{Content, SCRATCH, Sink, Store, TEMPORARY, check_name};
 use crate::base::{Error, Result};
@@ -133,23 +134,12 @@ impl Store for DirStore {
     }
 
     fn free(&self) -> Option<u64> {
-        free(&self.root)
+        room::free(&self.root)
     }
 
     fn path(&self, name: &str) -> PathBuf {
         self.root.join(name)
     }
-}
-
-/// The bytes that an ordinary user may still write into a folder that is there or will be: those of the file system that
-/// holds it, or the nearest folder above it.
-fn free(folder: &Path) -> Option<u64> {
-    let absolute = std::path::absolute(folder).ok()?;
-    let there = absolute.ancestors().find(|above| above.exists())?;
-    #[cfg(unix)]
-    return rustix::fs::statvfs(there).ok().map(|found| found.f_bavail.saturating_mul(found.f_frsize));
-    #[cfg(not(unix))]
-    return None;
 }
 
 impl Sink for AtomicFile {

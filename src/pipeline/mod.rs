@@ -23,13 +23,12 @@ mod shards;
 pub mod share;
 pub mod trial;
 
-pub use exec::{export, plan, run};
+pub use exec::{Foreseen, export, plan, run};
 pub use explain::explain;
 pub use inspect::{buffers, maps};
 pub use plan::Plan;
 pub use progress::Progress;
 pub use report::Report;
-pub use room::Room;
 
 use std::path::PathBuf;
 

@@ -1,11 +1,7 @@
-//! Whether the disk has room for what a run is still to write, known before it writes anything. Pure but for the asking.
-
-use std::path::PathBuf;
+//! What a run is still to write, known before it writes anything. Pure but for the asking.
 
 use super::scene::SCENE;
-use crate::base::units::Bytes;
-use crate::base::{Error, Result};
-use crate::disk::{Manifest, Store};
+use crate::disk::{Manifest, Room, Store};
 use crate::stages::export::EXPORT;
 use crate::stages::gather::FRAMES;
 use crate::stages::merge::TABLES;
@@ -51,17 +47,6 @@ pub struct There {
     pub exports: u64,
 }
 
-/// The disk that holds a run's folder.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct Room {
-    /// The run's folder.
-    pub folder: PathBuf,
-    /// Bytes that are still to be written into it.
-    pub needs: u64,
-    /// Bytes that are free there; `None` where nobody says.
-    pub free: Option<u64>,
-}
-
 impl There {
     /// What the manifest names. What is out of date counts too: it is removed before its like is written, so that its
     /// bytes are as good as there.
@@ -101,31 +86,9 @@ impl Disk {
     }
 }
 
-impl Room {
-    /// Asks the store how much room there is for what is left of a run.
-    pub fn of(store: &dyn Store, manifest: &Manifest, disk: &Disk) -> Room {
-        Room {
-            folder: store.path("").components().collect(),
-            needs: disk.left(&There::of(manifest)),
-            free: store.free(),
-        }
-    }
-
-    /// Refuses a disk that is too small.
-    ///
-    /// # Errors
-    /// By how much, where, and what to do.
-    pub fn enough(&self) -> Result<()> {
-        let Some(free) = self.free.filter(|free| *free < self.needs) else { return Ok(()) };
-        Err(Error::invalid(format!(
-            "the disk of {} is {} too small: about {} are still to be written there, and {} are free; free that much, or \
-             take a folder on another disk, as with --set run.work=PATH",
-            self.folder.display(),
-            Bytes(self.needs - free),
-            Bytes(self.needs),
-            Bytes(free),
-        )))
-    }
+/// The room that what is left of a run needs in its store.
+pub fn room(store: &dyn Store, manifest: &Manifest, disk: &Disk) -> Room {
+    Room { folder: store.path("").components().collect(), needs: disk.left(&There::of(manifest)), free: store.free() }
 }
 
 #[cfg(test)]
@@ -148,12 +111,5 @@ mod tests {
         let more = There { exports: 7, frames: 99, shards: 99, ..there };
         assert_eq!(DISK.left(&more), 0, "what is out of date makes room");
         assert_eq!(Disk::default().left(&There::default()), 0);
-    }
-
-    #[test]
-    fn a_disk_that_is_too_small_is_refused_by_how_much() {
-        let room = |free| Room { folder: "work".into(), needs: 5 << 30, free };
-        assert!(room(None).enough().is_ok() && room(Some(5 << 30)).enough().is_ok());
-        insta::assert_snapshot!(room(Some(3 << 30)).enough().unwrap_err(), @"the disk of work is 2 GiB too small: about 5 GiB are still to be written there, and 3 GiB are free; free that much, or take a folder on another disk, as with --set run.work=PATH");
     }
 }

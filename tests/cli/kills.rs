@@ -10,7 +10,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use tempfile::TempDir;
 
-use crate::files::{city, outputs};
+use crate::files::{city, outputs, pipelines};
 use crate::ran::Ran;
 
 /// A city with its pipeline file, which a network of a few weights makes quick.
@@ -29,15 +29,25 @@ fn start(dir: &TempDir, args: &str) -> Child {
     command.spawn().unwrap()
 }
 
-/// Kills runs into `work` at random instants of the time that a whole one takes, each going on where the one before was
-/// killed, until one ends; and so on, `kills` times in all. Every run that ends has the bytes of `expected`.
-fn killed_and_resumed(dir: &TempDir, args: &str, work: &Path, expected: &[Vec<u8>], whole: Duration, kills: usize) {
+/// Kills runs at random instants of the time that a whole one takes, each going on where the one before was killed, until
+/// one ends; and so on, `kills` times in all. Every run that ends has the bytes of the whole one. `args` are for the folder
+/// of that name, and `clear` is told which round begins.
+fn killed_and_resumed(dir: &TempDir, args: impl Fn(&str) -> String, kills: usize, clear: &dyn Fn(usize)) {
+    let started = Instant::now();
+    Ran::gonio(dir.path(), &args("whole")).ends(0);
+    let whole = started.elapsed();
+    let expected = outputs(&dir.path().join("whole"));
+    let (args, work) = (args("work"), dir.path().join("work"));
     let mut random = Pcg64Mcg::seed_from_u64(7);
     let mut done = 0;
-    while done < kills {
-        fs::remove_dir_all(work).unwrap_or_default();
+    for round in 0.. {
+        if done >= kills {
+            break;
+        }
+        fs::remove_dir_all(&work).unwrap_or_default();
+        clear(round);
         loop {
-            let mut run = start(dir, args);
+            let mut run = start(dir, &args);
             sleep(whole.mul_f64(random.random_range(0.0..1.1)));
             if run.try_wait().unwrap().is_some_and(|status| status.success()) {
                 break;
@@ -49,21 +59,20 @@ fn killed_and_resumed(dir: &TempDir, args: &str, work: &Path, expected: &[Vec<u8
                 break;
             }
         }
-        Ran::gonio(dir.path(), args).ends(0);
-        assert!(outputs(work) == expected, "after {done} kills");
-        let left = fs::read_dir(work.join("segments")).unwrap().chain(fs::read_dir(work).unwrap());
+        Ran::gonio(dir.path(), &args).ends(0);
+        assert!(outputs(&work) == expected, "after {done} kills");
+        let left = fs::read_dir(work.join("segments")).unwrap().chain(fs::read_dir(&work).unwrap());
         assert!(left.flatten().all(|e| !e.file_name().to_string_lossy().contains("gonio-tmp")), "rubbish is left");
     }
 }
 
 fn kill(kills: usize) {
     let dir = scene();
-    let args = |work: &str| format!("run p.toml {SETS} --set run.work={work}");
-    let started = Instant::now();
-    Ran::gonio(dir.path(), &args("whole")).ends(0);
-    let whole = started.elapsed();
-    let expected = outputs(&dir.path().join("whole"));
-    killed_and_resumed(&dir, &args("work"), &dir.path().join("work"), &expected, whole, kills);
+    killed_and_resumed(&dir, |work| format!("run p.toml {SETS} --set run.work={work}"), kills, &|_| ());
+}
+
+fn kills() -> usize {
+    std::env::var("GONIO_KILLS").map_or(200, |n| n.parse().unwrap())
 }
 
 #[test]
@@ -75,22 +84,50 @@ fn a_run_that_is_killed_goes_on_to_the_same_bytes() {
 #[test]
 #[ignore = "minutes; .ci/run runs it"]
 fn a_run_that_is_killed_often_goes_on_to_the_same_bytes() {
-    kill(std::env::var("GONIO_KILLS").map_or(200, |n| n.parse().unwrap()));
+    kill(kills());
 }
 
-/// The demo, whose city is made by the run itself, killed in all its phases. As many as `GONIO_KILLS` says, else 200.
+/// The demo, killed in all its phases; every other time its city is made again too. As many as `GONIO_KILLS` says, else 200.
 #[test]
 #[ignore = "an hour; for a release build"]
 fn the_demo_that_is_killed_often_goes_on_to_the_same_bytes() {
     let dir = TempDir::new().unwrap();
-    fs::copy(crate::files::pipelines().join("demo.toml"), dir.path().join("p.toml")).unwrap();
+    fs::copy(pipelines().join("demo.toml"), dir.path().join("p.toml")).unwrap();
     let args = |work: &str| format!("run p.toml --set run.work={work} --set gather.group=4");
-    let started = Instant::now();
+    Ran::gonio(dir.path(), &args("first")).ends(0);
+    let city = dir.path().join("work/city");
+    killed_and_resumed(&dir, args, kills(), &|round| {
+        if round % 2 == 1 {
+            fs::remove_dir_all(&city).unwrap();
+        }
+    });
+}
+
+/// The cache is the first thing that a run makes; nothing but the kill keeps it from being made in a moment.
+#[test]
+fn a_run_that_is_killed_while_it_makes_the_scene_cache_goes_on_to_the_same_bytes() {
+    let dir = scene();
+    let args = |work: &str| format!("run p.toml {SETS} --set run.work={work}");
     Ran::gonio(dir.path(), &args("whole")).ends(0);
-    let whole = started.elapsed();
-    let expected = outputs(&dir.path().join("whole"));
-    let kills = std::env::var("GONIO_KILLS").map_or(200, |n| n.parse().unwrap());
-    killed_and_resumed(&dir, &args("work"), &dir.path().join("work"), &expected, whole, kills);
+    let (work, whole) = (dir.path().join("work"), dir.path().join("whole"));
+    let caches = || {
+        let entries = fs::read_dir(work.join("scene")).into_iter().flatten().flatten();
+        entries.map(|e| e.file_name().into_string().unwrap()).collect::<Vec<_>>()
+    };
+    let killed = (0..40).any(|_| {
+        fs::remove_dir_all(&work).unwrap_or_default();
+        let mut run = start(&dir, &args("work"));
+        while caches().is_empty() && run.try_wait().unwrap().is_none() {}
+        run.kill().unwrap();
+        run.wait().unwrap();
+        caches().iter().any(|name| name.contains("gonio-tmp"))
+    });
+    assert!(killed, "no run was killed while it made the cache");
+    Ran::gonio(dir.path(), &args("work")).ends(0);
+    assert!(outputs(&work) == outputs(&whole));
+    assert!(caches().iter().all(|name| !name.contains("gonio-tmp")), "rubbish is left");
+    let cache = |work: &Path| fs::read(work.join("scene").join(&caches()[0])).unwrap();
+    assert!(cache(&work) == cache(&whole));
 }
 
 #[cfg(unix)]

@@ -155,7 +155,7 @@ fn every_pipeline_file_checks_and_plans() {
             .ends(0)
             .says("at most, in")
             .says("gather")
-            .says("are free for")
+            .says(" free for ")
             .says("tried here");
         Ran::gonio(dir.path(), &format!("plan {name} --set run.memory=20MiB")).ends(1).says("too small");
         seen += 1;

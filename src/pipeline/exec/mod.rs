@@ -16,13 +16,14 @@ use std::time::{Duration, Instant};
 use super::plan::{self, Inputs};
 use super::readable::Readable;
 use super::report::{Phase, Stage, Triangles};
-use super::room::Room;
+use super::room::room;
 use super::scene::{self, Loaded, SCENES};
 use super::trial::Trial;
 use super::{Pipeline, Plan, Progress, Report, resume};
 use crate::base::units::Bytes;
 use crate::base::{Error, Result, memory};
-use crate::disk::{DirStore, Lock, Manifest, MemStore, Opening, Store};
+use crate::disk::room::same_disk;
+use crate::disk::{DirStore, Lock, Manifest, MemStore, Opening, Room, Store};
 use crate::flow::{Budget, Meter, StopSignal};
 use crate::model::{self, Estimator, Fit};
 use crate::scene::evidence::Filled;
@@ -36,6 +37,11 @@ use crate::synth::city;
 
 pub use export::{export, finished};
 pub use map::segments;
+
+/// What names the run's folder.
+const WORK: &str = "[run] work";
+/// What names the city's.
+const INTO: &str = "into in [synth]";
 
 /// What the run did.
 const REPORT: &str = "report.json";
@@ -158,7 +164,7 @@ impl<'a> Run<'a> {
                 inputs.trial = Trial::of(run.pipeline, &loaded, base, &fit)?;
             }
             let plan = Plan::new(run.pipeline, inputs);
-            Room::of(&*run.store, manifest, &plan.disk).enough()?;
+            room(&*run.store, manifest, &plan.disk).enough(WORK)?;
             let later = plan.phases.iter().filter(|p| p.name != "load");
             let expected: Vec<_> =
                 later.map(|p| (p.name, Duration::from_secs_f64(p.seconds.unwrap_or_default()))).collect();
@@ -216,7 +222,7 @@ impl<'a> Run<'a> {
         if !why.is_disk_full() {
             return why;
         }
-        let room = Room::of(&*self.store, manifest, &self.plan.disk);
+        let room = room(&*self.store, manifest, &self.plan.disk);
         why.doing(format!(
             "the disk of {} is full, and about {} is still to be written there: free that much, and the same command goes \
              on from here",
@@ -226,11 +232,35 @@ impl<'a> Run<'a> {
     }
 }
 
+/// What a run will take.
+pub struct Foreseen {
+    /// Memory and time.
+    pub plan: Plan,
+    /// The room for the run's folder and, where they share a disk, for the city that it is made on.
+    pub room: Room,
+    /// The room for that city, where it has yet to be made.
+    pub city: Option<Room>,
+    /// The estimator, in words.
+    pub estimator: String,
+}
+
+impl Foreseen {
+    /// Refuses a run that cannot work.
+    ///
+    /// # Errors
+    /// A limit or a disk that is too small.
+    pub fn works(&self) -> Result<()> {
+        self.plan.fits()?;
+        self.city.iter().try_for_each(|room| room.enough(INTO))?;
+        self.room.enough(WORK)
+    }
+}
+
 /// Works out what a run will take. Nothing is started and nothing written.
 ///
 /// # Errors
 /// Inputs that cannot be read, a model that cannot be used.
-pub fn plan(pipeline: &Pipeline) -> Result<(Plan, Room, String)> {
+pub fn plan(pipeline: &Pipeline) -> Result<Foreseen> {
     let estimator = estimator(pipeline)?;
     let base = plan::base();
     let loaded = Loaded::planned(pipeline, base)?;
@@ -243,8 +273,10 @@ pub fn plan(pipeline: &Pipeline) -> Result<(Plan, Room, String)> {
     let store = DirStore::new(&pipeline.run.work);
     // A manifest that cannot be read names nothing: then all is still to be written.
     let manifest = Manifest::read(Arc::new(store.clone())).or_else(|_| Manifest::read(Arc::new(MemStore::new())))?;
-    let room = Room::of(&store, &manifest, &plan.disk);
-    Ok((plan, room, estimator.describe()))
+    let mut room = room(&store, &manifest, &plan.disk);
+    let city = pipeline.synth.as_ref().map(|synth| city::room(&synth.into, &synth.city)).transpose()?.flatten();
+    room.needs += city.iter().filter(|city| same_disk(&city.folder, &room.folder)).map(|city| city.needs).sum::<u64>();
+    Ok(Foreseen { plan, room, city, estimator: estimator.describe() })
 }
 
 /// A file that is to be written where the user said: its folder must be there.

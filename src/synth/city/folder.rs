@@ -13,7 +13,7 @@ use serde_json::{Value, json};
 
 use super::CityConfig;
 use crate::base::{Error, Result};
-use crate::disk::write_atomic;
+use crate::disk::{Room, room, write_atomic};
 
 /// Written last: the configuration, and what came of it.
 pub const RECORD: &str = "city.json";
@@ -80,6 +80,32 @@ pub fn look(folder: &Path, config: &CityConfig) -> Result<Found> {
         (Some(t), Some(f)) if text == written(config, summary(t, f)) => Ok(Found::Finished(summary(t, f))),
         _ => Ok(Found::Room),
     }
+}
+
+/// The room that making the city takes, none where it is there. What is in the folder makes way, or is kept.
+///
+/// # Errors
+/// As for [`look`].
+pub fn room(folder: &Path, config: &CityConfig) -> Result<Option<Room>> {
+    if look(folder, config)? != Found::Room {
+        return Ok(None);
+    }
+    let there: u64 = ["", "images", "truth", "unfinished"].iter().map(|sub| size(&folder.join(sub))).sum();
+    let pixels = u64::from(config.frames) * u64::from(config.width) * u64::from(config.height);
+    let all = BYTES_PER_PIXEL * pixels + BYTES_PER_TRIANGLE * u64::from(config.triangles);
+    Ok(Some(Room { folder: folder.to_path_buf(), needs: all.saturating_sub(there), free: room::free(folder) }))
+}
+
+/// Bytes of a photograph's pixel: 0.34 were measured with two by two samples, 1.05 with one.
+const BYTES_PER_PIXEL: u64 = 1;
+/// Bytes of a triangle: 41 in the mesh, 28 of its material, and while photographs are taken 138 of the scene cache and 8 of
+/// the sky.
+const BYTES_PER_TRIANGLE: u64 = 215;
+
+/// Bytes of the files in a folder, as far as it can be read.
+fn size(folder: &Path) -> u64 {
+    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+    entries.filter_map(|entry| entry.metadata().ok()).filter(|found| found.is_file()).map(|found| found.len()).sum()
 }
 
 /// Marks the folder as being made, and only then forgets the city that it held.

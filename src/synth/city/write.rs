@@ -32,8 +32,8 @@ const MATERIALS: &str = "truth/materials.npy";
 /// between photographs, and between the parts of what they are taken with; what is there is kept the next time.
 ///
 /// # Errors
-/// A configuration out of range; a folder that holds something that is not a city; a file that cannot be written;
-/// `Error::Interrupted` where `stop` says so.
+/// A configuration out of range; a folder that holds something that is not a city; a disk that is too small, or a file that
+/// cannot be written; `Error::Interrupted` where `stop` says so.
 pub fn generate_if_needed(folder: &Path, config: &CityConfig, stop: &dyn Fn() -> bool) -> Result<Summary> {
     config.check()?;
     match folder::look(folder, config)? {
@@ -53,6 +53,9 @@ pub fn generate(folder: &Path, config: &CityConfig, stop: &dyn Fn() -> bool) -> 
 }
 
 fn make(dir: &Path, config: &CityConfig, stop: &dyn Fn() -> bool) -> Result<Summary> {
+    if let Some(room) = folder::room(dir, config)? {
+        room.enough("--out, or into in [synth]")?;
+    }
     let store = DirStore::new(dir);
     let goes_on = folder::owned(dir, config);
     if !goes_on {
