@@ -10,10 +10,9 @@ use crate::base::{Error, Result};
 use crate::codec::npy;
 use crate::disk::write_atomic;
 use crate::flow::{StopSignal, signal};
-use crate::scene::reflectance;
 use crate::synth::city::{self, CityConfig};
 use crate::synth::sparse;
-use crate::synth::spheres::Samples;
+use crate::synth::spheres::{self, Picture, Published, Samples};
 
 /// What is made.
 #[derive(Debug, Subcommand)]
@@ -62,12 +61,18 @@ pub struct City {
 /// Options of `synth spheres`.
 #[derive(Debug, Args)]
 pub struct Spheres {
+    /// A whole training set: 606,000 sphere maps in train, validation and test, f16, 25 GB
+    #[arg(long, value_enum, conflicts_with_all = ["kind", "count", "materials", "lights", "views"])]
+    preset: Option<Preset>,
     /// What a bin of a map is
-    #[arg(long, value_enum)]
-    kind: Kind,
+    #[arg(long, value_enum, required_unless_present = "preset")]
+    kind: Option<Kind>,
     /// How many maps
-    #[arg(long)]
-    count: usize,
+    #[arg(long, required_unless_present = "preset")]
+    count: Option<usize>,
+    /// What looks at a sphere [default: orthographic; of a preset: perspective]
+    #[arg(long, value_enum)]
+    camera: Option<Camera>,
     /// Seed of what is not given
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -83,6 +88,31 @@ pub struct Spheres {
     /// The folder to write to
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
+}
+
+/// Sets that are made as a whole.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Preset {
+    /// The publication's: 24,000 materials from 24 sides under one light, and 30,000 maps of others to test with
+    Published,
+}
+
+/// What looks at a sphere.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Camera {
+    /// From infinitely far away: half of the sphere is in sight
+    Orthographic,
+    /// From four radii: what is within 75.5 degrees of the axis is in sight
+    Perspective,
+}
+
+impl From<Camera> for spheres::Camera {
+    fn from(camera: Camera) -> Self {
+        match camera {
+            Camera::Orthographic => spheres::Camera::Orthographic,
+            Camera::Perspective => spheres::Camera::Perspective,
+        }
+    }
 }
 
 /// What a bin of a map is.
@@ -133,20 +163,26 @@ pub fn synth(what: Synth) -> Result<Ending> {
             let was = if made.reused { "is there already" } else { "is made" };
             out(&format!("{}: {} triangles, {} frames; it {was}", c.out.display(), made.triangles, made.frames));
         }
-        Synth::Spheres(s) => {
-            let samples = Samples {
-                count: s.count,
-                seed: s.seed,
-                materials: s.materials.as_deref().map(npy::read_rows).transpose()?,
-                lights: s.lights.as_deref().map(npy::read_rows).transpose()?,
-                views: s.views.as_deref().map(npy::read_rows).transpose()?,
-            };
-            let kind = match s.kind {
-                Kind::Lobe => reflectance::Kind::Lobe,
-                Kind::Sphere => reflectance::Kind::Sphere,
-            };
-            samples.write(kind, &s.out, &stopped)?;
-        }
+        Synth::Spheres(s) => match s.kind {
+            Some(kind) => {
+                let samples = Samples {
+                    count: s.count.unwrap_or_default(),
+                    seed: s.seed,
+                    materials: s.materials.as_deref().map(npy::read_rows).transpose()?,
+                    lights: s.lights.as_deref().map(npy::read_rows).transpose()?,
+                    views: s.views.as_deref().map(npy::read_rows).transpose()?,
+                };
+                let picture = match kind {
+                    Kind::Lobe => Picture::Lobe,
+                    Kind::Sphere => Picture::Sphere(s.camera.map(Into::into).unwrap_or_default()),
+                };
+                samples.write(picture, &s.out, &stopped)?;
+            }
+            None => {
+                let camera = s.camera.map_or(spheres::Camera::Perspective, Into::into);
+                Published::new(s.seed).write(camera, &s.out, &stopped)?;
+            }
+        },
         Synth::Bins(b) if b.out == Path::new("-") => match sparse::write(&mut io::stdout().lock(), b.seed, b.count) {
             // Who reads the stream takes as many as they want.
             Err(why) if why.kind() == io::ErrorKind::BrokenPipe => {}

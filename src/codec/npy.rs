@@ -8,12 +8,14 @@
 //! {'descr': '<f4', 'fortran_order': False, 'shape': (3, 7), }
 //! ```
 //!
-//! Written: `<f4`, version 1. Read: `<f4` and `<f8` (rounded to f32), versions 1 to 3, row-major. The shape in the header
+//! Written: `<f4`, or `<f2` on request, version 1. Read: `<f4` and `<f8` (rounded to f32), versions 1 to 3, row-major. The shape in the header
 //! is a claim: it is checked against the file's length before anything is allocated.
 
 use std::fs::File;
 use std::io::{self, BufReader, Read, Write};
 use std::path::Path;
+
+use half::f16;
 
 use crate::base::array::SharedBytes;
 use crate::base::{Array, Error, Result};
@@ -30,12 +32,23 @@ pub struct NpyWriter<W: Write> {
     out: W,
     missing: u64,
     bytes: Vec<u8>,
+    halves: bool,
 }
 
 impl<W: Write> NpyWriter<W> {
     /// Writes the header of an array of f32 with this shape.
-    pub fn new(mut out: W, shape: &[usize]) -> io::Result<Self> {
-        let mut text = String::from("{'descr': '<f4', 'fortran_order': False, 'shape': (");
+    pub fn new(out: W, shape: &[usize]) -> io::Result<Self> {
+        NpyWriter::begin(out, shape, false)
+    }
+
+    /// The same for an array of f16, to which values are rounded; those beyond its range become its largest.
+    pub fn halves(out: W, shape: &[usize]) -> io::Result<Self> {
+        NpyWriter::begin(out, shape, true)
+    }
+
+    fn begin(mut out: W, shape: &[usize], halves: bool) -> io::Result<Self> {
+        let kind = if halves { "<f2" } else { "<f4" };
+        let mut text = format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': (");
         shape.iter().for_each(|n| text.push_str(&format!("{n}, ")));
         text.push_str("), }");
         let before = MAGIC.len() + 4;
@@ -48,7 +61,7 @@ impl<W: Write> NpyWriter<W> {
         out.write_all(&[1, 0])?;
         out.write_all(&length.to_le_bytes())?;
         out.write_all(header.as_bytes())?;
-        Ok(NpyWriter { out, missing, bytes: Vec::new() })
+        Ok(NpyWriter { out, missing, bytes: Vec::new(), halves })
     }
 
     /// Appends values; an error if the shape has no room for them.
@@ -57,7 +70,12 @@ impl<W: Write> NpyWriter<W> {
         self.missing = after.ok_or_else(|| wrong(format!("{} values where {} fit", values.len(), self.missing)))?;
         for chunk in values.chunks(CHUNK) {
             self.bytes.clear();
-            self.bytes.extend(chunk.iter().flat_map(|v| v.to_le_bytes()));
+            if self.halves {
+                let largest = f16::MAX.to_f32();
+                self.bytes.extend(chunk.iter().flat_map(|v| f16::from_f32(v.clamp(-largest, largest)).to_le_bytes()));
+            } else {
+                self.bytes.extend(chunk.iter().flat_map(|v| v.to_le_bytes()));
+            }
             self.out.write_all(&self.bytes)?;
         }
         Ok(())
