@@ -11,4 +11,5 @@ mod lit;
 mod ran;
 mod reduce;
 mod runs;
+mod spheres;
 mod typed;
