@@ -23,7 +23,7 @@ fn infer(criterion: &mut Criterion) {
     let load = |&backend: &Backend| -> (String, Box<dyn Estimator>) {
         (backend.to_string(), model::load(&source, backend, None).expect("the model loads"))
     };
-    let fit: (String, Box<dyn Estimator>) = ("fit".into(), Box::new(Fit::default()));
+    let fit: (String, Box<dyn Estimator>) = ("fit".into(), Box::new(Fit::new(None)));
     for (name, model) in backends.iter().map(load).chain([fit]) {
         let map = |i: usize| {
             let mut bins: Vec<_> =

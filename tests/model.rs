@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 
 use glam::Vec3;
 use gonio::base::Result;
-use gonio::model::{self, Backend, Estimate, Estimator, ModelSource};
+use gonio::model::{self, Backend, Estimate, Estimator, Fit, ModelSource};
 use gonio::scene::light::LocalLight;
 use gonio::scene::reflectance::{Bin, BinSum, FRONT_BINS, Kind, SparseMap};
 use rand::{RngExt, SeedableRng};
@@ -176,6 +176,7 @@ fn broken_contracts_are_refused_in_words() {
         ("fixed_bins", "the input is bins f32 [N, 24, 7]; needed"),
         ("no_bins", "the metadata gonio.bins is missing; a model with the input bins says there how many"),
         ("bins_zero", "the metadata gonio.bins is \"0\"; a model"),
+        ("bad_deviation", "the metadata gonio.deviation is \"[0.1, 0, 2]\"; it must be a list of 7 numbers"),
         ("two_rows_a_map", "mu came out as"),
     ];
     for backend in backends() {
@@ -261,4 +262,30 @@ fn keys_tell_models_and_engines_apart() {
     if backends().len() > 1 {
         assert_ne!(key("light3", Backend::Embedded), key("light3", Backend::OnnxRuntime));
     }
+}
+
+#[test]
+fn a_model_says_how_sure_it_is_and_the_fit_starts_there() {
+    let map = SparseMap { bins: vec![(9, BinSum::one([0.1; 3], false)), (700, BinSum::one([0.2; 3], false))] };
+    let estimate = |estimator: &dyn Estimator, light: Option<LocalLight>| {
+        let mut out = [Estimate::default()];
+        let lights = light.map(|light| [light]);
+        estimator.session().unwrap().estimate(&[&map], lights.as_ref().map(|l| &l[..]), &mut out).unwrap();
+        out[0]
+    };
+    let network = || load(&tiny("bins7"), Backend::Embedded).unwrap();
+    let guess = estimate(&*network(), None);
+    assert_eq!(guess.deviation, [0.1, 0.1, 0.1, 0.2, 0.2, 0.2, 0.25]);
+    // Where no light comes, the map tells nothing that is not thought already.
+    let both = Fit::new(Some(network()));
+    let dark = LocalLight { direction: Vec3::Z, sun: Vec3::ZERO, sky: Vec3::ZERO };
+    let unlit = estimate(&both, Some(dark));
+    let pairs = unlit.material.to_array().into_iter().zip(guess.material.to_array());
+    assert!(pairs.take(6).all(|(a, b)| (a - b).abs() < 1e-3), "{unlit:?} {guess:?}");
+    // Where it does, kd follows from the map.
+    let lit = estimate(&both, Some(LocalLight { sun: Vec3::ONE, ..dark }));
+    assert!(lit.material.kd.iter().all(|kd| (0.05..0.25).contains(kd)), "{lit:?}");
+    assert!(lit.deviation[0] < unlit.deviation[0]);
+    assert_ne!(both.key(), Fit::new(None).key());
+    assert!(both.describe().contains("bins7.onnx"));
 }

@@ -5,10 +5,13 @@ use std::path::PathBuf;
 use clap::{Args, Subcommand};
 use serde_json::json;
 
+use super::args::PipelineArgs;
 use super::report::Lines;
 use crate::base::{Error, Result};
 use crate::codec::npy;
-use crate::render::metrics::{MaterialErrors, TRAINING_MEAN, compare, diffuse_guess};
+use crate::pipeline::Pipeline;
+use crate::pipeline::judge::{Judged, SUNS, judge};
+use crate::render::metrics::{MaterialErrors, TRAINING_MEAN, compare, diffuse_guess, within};
 use crate::scene::Material;
 use crate::scene::evidence::{Evidence, Filled};
 
@@ -17,6 +20,29 @@ use crate::scene::evidence::{Evidence, Filled};
 pub enum Eval {
     /// Mean absolute errors of kd, ks and roughness over the triangles that were seen, beside two trivial guesses
     Materials(Materials),
+    /// The same, and how well frames relight, under the sun of the photographs and four others
+    Scene {
+        /// Of which finished run.
+        #[command(flatten)]
+        pipeline: PipelineArgs,
+        /// How.
+        #[command(flatten)]
+        options: Scene,
+    },
+}
+
+/// Options of `eval scene`.
+#[derive(Debug, Args)]
+pub struct Scene {
+    /// The truth, .npy [F,7]
+    #[arg(long, value_name = "TRUTH.npy")]
+    truth: PathBuf,
+    /// Frames to render, spread over the flight
+    #[arg(long, default_value_t = 3)]
+    frames: usize,
+    /// Write one JSON object
+    #[arg(long)]
+    json: bool,
 }
 
 /// Options of `eval materials`.
@@ -40,7 +66,7 @@ pub struct Materials {
 ///
 /// # Errors
 /// Files that cannot be read, or whose rows are not as many.
-pub fn eval(Eval::Materials(options): &Eval) -> Result<String> {
+pub fn materials(options: &Materials) -> Result<String> {
     let read = |path: &PathBuf| -> Result<Vec<Material>> {
         Ok(npy::read_rows::<{ Material::LEN }>(path)?.into_iter().map(Material::from).collect())
     };
@@ -52,15 +78,46 @@ pub fn eval(Eval::Materials(options): &Eval) -> Result<String> {
         return Err(Error::malformed(path, "no triangle was seen: there is nothing to measure"));
     }
     let mean: Vec<[f32; 3]> = evidence.iter().map(|e| e.mean_radiance).collect();
+    let deviation: Vec<_> = evidence.iter().map(|e| e.deviation).collect();
+    let sure = within(&truth, &estimate, &deviation, &seen);
     let rows = [
         ("estimate", compare(&truth, &estimate, &seen)?),
         ("mean radiance as kd, ks 0, r 0.5", compare(&truth, &diffuse_guess(&mean), &seen)?),
         ("training mean, 0.5 throughout", compare(&truth, &vec![TRAINING_MEAN; truth.len()], &seen)?),
     ];
-    Ok(if options.json { as_json(&rows) } else { as_table(&rows, truth.len()) })
+    Ok(if options.json { as_json(&rows, sure) } else { as_table(&rows, sure, truth.len()) })
 }
 
-fn as_table(rows: &[(&str, MaterialErrors)], triangles: usize) -> String {
+/// Judges a finished run, and gives the table.
+///
+/// # Errors
+/// No finished run, a truth that cannot be read.
+pub fn scene(pipeline: &Pipeline, options: &Scene) -> Result<String> {
+    let judged = judge(pipeline, &options.truth, options.frames)?;
+    if options.json {
+        let row = |j: &Judged| {
+            let e = &j.errors;
+            json!({ "what": j.name, "kd": e.kd, "ks": e.ks, "r": e.r, "triangles": e.count, "missing": e.missing, "same_light": j.same, "suns": j.suns })
+        };
+        return Ok(json!(judged.iter().map(row).collect::<Vec<_>>()).to_string());
+    }
+    let mut lines = Lines::default();
+    lines.add(format!(
+        "mean absolute errors over {} triangles; PSNR, dB, of {} frames",
+        judged[0].errors.count, options.frames
+    ));
+    let suns: String =
+        SUNS.iter().map(|(elevation, azimuth)| format!("{:>9}", format!("{elevation}/{azimuth}"))).collect();
+    lines.add(format!("{:34}{:>8}{:>8}{:>8}{:>9}{suns}", "", "kd", "ks", "r", "same sun"));
+    for j in &judged {
+        let (e, same) = (&j.errors, j.same.map_or("unknown".to_owned(), |same| format!("{same:.2}")));
+        let suns: String = j.suns.iter().map(|psnr| format!("{psnr:>9.2}")).collect();
+        lines.add(format!("{:34}{:>8.4}{:>8.4}{:>8.4}{same:>9}{suns}", j.name, e.kd, e.ks, e.r));
+    }
+    Ok(lines.finish())
+}
+
+fn as_table(rows: &[(&str, MaterialErrors)], sure: Option<[f64; 3]>, triangles: usize) -> String {
     let mut lines = Lines::default();
     let errors = &rows[0].1;
     lines.add(format!("mean absolute errors over {} of {triangles} triangles", errors.count));
@@ -71,10 +128,14 @@ fn as_table(rows: &[(&str, MaterialErrors)], triangles: usize) -> String {
     for (name, e) in rows {
         lines.add(format!("{name:34}{:>8.4}{:>8.4}{:>8.4}", e.kd, e.ks, e.r));
     }
+    if let Some([kd, ks, r]) = sure {
+        lines.add(format!("{:34}{:>7.1}%{:>7.1}%{:>7.1}%", "within one deviation", 100.0 * kd, 100.0 * ks, 100.0 * r));
+    }
     lines.finish()
 }
 
-fn as_json(rows: &[(&str, MaterialErrors)]) -> String {
+fn as_json(rows: &[(&str, MaterialErrors)], sure: Option<[f64; 3]>) -> String {
     let row = |(name, e): &(&str, MaterialErrors)| json!({ "what": name, "kd": e.kd, "ks": e.ks, "r": e.r, "triangles": e.count, "missing": e.missing });
-    json!(rows.iter().map(row).collect::<Vec<_>>()).to_string()
+    let rows = rows.iter().map(row).collect::<Vec<_>>();
+    json!({ "estimates": rows, "within_one_deviation": sure }).to_string()
 }

@@ -23,6 +23,7 @@ use crate::base::{Error, Result};
 use crate::pipeline::problem::Problems;
 use crate::pipeline::{self, Pipeline};
 use args::{Args, Command, PipelineArgs};
+use eval::Eval;
 
 /// How a command ended; the number is its exit code.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -122,7 +123,10 @@ fn command(command: Command) -> Result<Ending, Failure> {
             Ok(Ending::Done)
         }
         Command::Eval(what) => {
-            out(&eval::eval(&what)?);
+            out(&match what {
+                Eval::Materials(options) => eval::materials(&options)?,
+                Eval::Scene { pipeline, options } => eval::scene(&load(&pipeline)?, &options)?,
+            });
             Ok(Ending::Done)
         }
         Command::Export { pipeline } => {

@@ -1,7 +1,8 @@
 //! What an ONNX file must say before it is run. One of the inputs `map` f32 [N, C, 60, 120], C = 3 or 4, and `bins` f32
 //! [N, S, 7]; optionally `light` f32 [N, 3]; one output `mu` f32 [N, 7]; N and S symbolic; all weights inside the file;
 //! metadata `gonio.kind` = lobe | sphere, `gonio.version`, `gonio.training`, a JSON object, and with `bins` also
-//! `gonio.bins`, the most filled bins that the model takes. Nothing else is accepted.
+//! `gonio.bins`, the most filled bins that the model takes; and, where the model says how sure it is, `gonio.deviation`, seven
+//! root mean square errors. Nothing else is accepted.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -29,6 +30,8 @@ pub struct Contract {
     pub light: bool,
     /// `gonio.version`.
     pub version: String,
+    /// `gonio.deviation`, if it is there: how far off the components are of maps that training never saw, root mean square.
+    pub deviation: Option<[f32; Material::LEN]>,
     /// `gonio.training`: data, samples, seed, metrics.
     pub training: serde_json::Value,
 }
@@ -109,8 +112,16 @@ impl Contract {
             Form::Dense(channels) => Input::Dense { channels },
             Form::Bins => Input::Bins { most: most_bins(metadata("gonio.bins").ok())? },
         };
-        Ok(Contract { model: model.to_owned(), kind, input, light, version, training })
+        let deviation = metadata("gonio.deviation").ok().map(deviation).transpose()?;
+        Ok(Contract { model: model.to_owned(), kind, input, light, version, deviation, training })
     }
+}
+
+/// Seven deviations, a JSON list.
+fn deviation(text: &str) -> Result<[f32; Material::LEN], String> {
+    let list = serde_json::from_str::<[f32; Material::LEN]>(text).ok();
+    let list = list.filter(|list| list.iter().all(|d| (1e-4..=1.0).contains(d)));
+    list.ok_or_else(|| format!("the metadata gonio.deviation is {text:?}; it must be a list of 7 numbers, 0.0001 to 1"))
 }
 
 /// Values of a bin: direction, rgb, observations.

@@ -89,14 +89,7 @@ pub struct Estimate {
 
 impl Default for Estimate {
     fn default() -> Self {
-        Estimate::without_deviation(Material::default())
-    }
-}
-
-impl Estimate {
-    /// A material, and nothing about how sure it is.
-    pub fn without_deviation(material: Material) -> Estimate {
-        Estimate { material, deviation: [f32::NAN; Material::LEN] }
+        Estimate { material: Material::default(), deviation: [f32::NAN; Material::LEN] }
     }
 }
 

@@ -179,6 +179,7 @@ impl Session for OnnxSession {
         self.check(maps.len(), lights, out.len())?;
         let lights = lights.unwrap_or_default();
         let input = self.contract.input;
+        let deviation = self.contract.deviation.unwrap_or([f32::NAN; Material::LEN]);
         let sizes = input.sizes();
         let places: Vec<usize> = maps.iter().map(|map| place(&sizes, map)).collect();
         for (size, &bins) in sizes.iter().enumerate() {
@@ -187,7 +188,7 @@ impl Session for OnnxSession {
                 self.run(size, input.values(bins), chunk, maps, lights)?;
                 for (&i, mu) in chunk.iter().zip(self.mu.chunks_exact(Material::LEN)) {
                     let fault = |found| Error::malformed(&self.contract.model, format!("map {i} of {found}"));
-                    out[i] = Estimate::without_deviation(material(mu).map_err(fault)?);
+                    out[i] = Estimate { material: material(mu).map_err(fault)?, deviation };
                 }
             }
         }

@@ -8,6 +8,7 @@ pub mod check;
 pub mod exec;
 pub mod explain;
 pub mod inspect;
+pub mod judge;
 pub mod picture;
 pub mod plan;
 pub mod problem;

@@ -32,7 +32,7 @@ pub enum Light {
 }
 
 /// Rays a triangle that find its share of the sky.
-const SKY_RAYS: u32 = 32;
+pub(super) const SKY_RAYS: u32 = 32;
 
 /// What triangles without a material are shown as.
 const UNKNOWN: Material = Material { kd: [0.216; 3], ks: [0.0; 3], r: 1.0 };
@@ -69,7 +69,8 @@ pub fn render(pipeline: &Pipeline, frame: &str, light: Light, beside: bool, out:
     write_png(out, &side_by_side(&photograph, &picture), 2 * size.0, size.1)
 }
 
-fn lighting(light: Light, up: DVec3) -> Result<Lighting> {
+/// A light over a scene whose zenith is `up`.
+pub(super) fn lighting(light: Light, up: DVec3) -> Result<Lighting> {
     let up = up.normalize();
     let Light::Sun { elevation_deg, azimuth_deg, sky } = light else {
         let sun = Sun { direction: up.as_vec3(), color: Vec3::ZERO };

@@ -6,26 +6,48 @@ use crate::scene::Material;
 /// The mean of the priors that estimators are trained on: the best constant guess before anything is seen.
 pub const TRAINING_MEAN: Material = Material { kd: [0.5; 3], ks: [0.5; 3], r: 0.5 };
 
-/// Peak signal-to-noise ratio in decibels of two images of `pixels` with values in [0, 1] (so the peak is 1), over all
-/// pixels where `mask` is true, or all of them. Infinite where the two are equal.
-///
-/// # Errors
-/// Images or mask of different lengths, or no pixel to compare.
-pub fn psnr(a: &[[f32; 3]], b: &[[f32; 3]], mask: Option<&[bool]>) -> Result<f64> {
-    same_length("pixels of the first image", a.len(), "of the second", b.len())?;
-    if let Some(mask) = mask {
-        same_length("pixels of the images", a.len(), "of the mask", mask.len())?;
+/// How far images of linear radiance, clipped to [0, 1], are from those that they should be.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct SquaredError {
+    sum: f64,
+    count: u64,
+}
+
+impl SquaredError {
+    /// Adds an image, over the pixels of the wanted one that are finite. One that is not finite there is all wrong.
+    pub fn add(&mut self, wanted: &[[f32; 3]], found: &[[f32; 3]]) {
+        for (p, q) in wanted.iter().zip(found).filter(|(p, _)| p.iter().all(|v| v.is_finite())) {
+            let off =
+                |(x, y): (&f32, &f32)| if y.is_nan() { 1.0 } else { f64::from(x.clamp(0.0, 1.0) - y.clamp(0.0, 1.0)) };
+            self.sum += p.iter().zip(q).map(off).map(|off| off * off).sum::<f64>();
+            self.count += 3;
+        }
     }
-    let kept = |i: usize| mask.is_none_or(|m| m[i]);
-    let (mut sum, mut count) = (0.0, 0_u64);
-    for (_, (p, q)) in a.iter().zip(b).enumerate().filter(|(i, _)| kept(*i)) {
-        sum += p.iter().zip(q).map(|(x, y)| (f64::from(*x) - f64::from(*y)).powi(2)).sum::<f64>();
-        count += 3;
+
+    /// Peak signal-to-noise ratio of all images together, dB; infinite where they are equal, NaN where nothing was compared.
+    pub fn psnr(&self) -> f64 {
+        -10.0 * (self.sum / self.count as f64).log10()
     }
-    if count == 0 {
-        return Err(Error::invalid("there is no pixel to compare: the images are empty or fully masked"));
+}
+
+/// The share of the components of kd, of ks, and of roughnesses that are within one deviation of the truth, over the
+/// triangles that were seen and say one; `None` if none does.
+pub fn within(
+    truth: &[Material],
+    estimate: &[Material],
+    deviation: &[[f32; Material::LEN]],
+    seen: &[bool],
+) -> Option<[f64; 3]> {
+    let (mut counts, mut all) = ([0u64; 3], 0u64);
+    for (((t, e), d), _) in truth.iter().zip(estimate).zip(deviation).zip(seen).filter(|(_, seen)| **seen) {
+        if d.iter().any(|d| !d.is_finite()) {
+            continue;
+        }
+        let (t, e) = (t.to_array(), e.to_array());
+        (0..Material::LEN).filter(|&c| (t[c] - e[c]).abs() <= d[c]).for_each(|c| counts[c / 3] += 1);
+        all += 1;
     }
-    Ok(-10.0 * (sum / count as f64).log10())
+    (all > 0).then(|| [0, 1, 2].map(|i| counts[i] as f64 / (all * if i == 2 { 1 } else { 3 }) as f64))
 }
 
 /// Mean absolute errors of materials, over triangles and over the three channels of kd and ks.
@@ -84,21 +106,31 @@ mod tests {
 
     #[test]
     fn psnr_has_its_closed_form() {
+        let psnr = |wanted: &[[f32; 3]], found: &[[f32; 3]]| {
+            let mut error = SquaredError::default();
+            error.add(wanted, found);
+            error.psnr()
+        };
         let (black, grey) = ([[0.0; 3]; 4], [[0.1; 3]; 4]);
-        assert!((psnr(&black, &grey, None).unwrap() - 20.0).abs() < 1e-5);
-        assert_eq!(psnr(&grey, &grey, None).unwrap(), f64::INFINITY);
-        // One bad pixel of four: a quarter of the squared error; masked out, none is left.
+        assert!((psnr(&black, &grey) - 20.0).abs() < 1e-5);
+        assert_eq!(psnr(&grey, &grey), f64::INFINITY);
+        // One bad pixel of four: a quarter of the squared error; left out, none is left.
         let one = [[0.0; 3], [0.1; 3], [0.0; 3], [0.0; 3]];
-        assert!((psnr(&black, &one, None).unwrap() - 26.0206).abs() < 1e-3);
-        assert_eq!(psnr(&black, &one, Some(&[true, false, true, true])).unwrap(), f64::INFINITY);
+        assert!((psnr(&black, &one) - 26.0206).abs() < 1e-3);
+        assert_eq!(psnr(&[[0.0; 3], [f32::NAN; 3], [0.0; 3], [0.0; 3]], &one), f64::INFINITY);
+        // Beyond what a picture shows all is equal; what is nothing is all wrong.
+        assert_eq!(psnr(&[[7.0; 3]], &[[1.0; 3]]), f64::INFINITY);
+        assert!(psnr(&[[0.5; 3]], &[[f32::NAN; 3]]).abs() < 1e-9 && psnr(&[], &[]).is_nan());
     }
 
     #[test]
-    fn psnr_of_nothing_is_an_error() {
-        assert!(psnr(&[], &[], None).is_err());
-        assert!(psnr(&[[0.0; 3]], &[[0.0; 3]], Some(&[false])).is_err());
-        assert!(psnr(&[[0.0; 3]], &[], None).is_err());
-        assert!(psnr(&[[0.0; 3]], &[[0.0; 3]], Some(&[])).is_err());
+    fn truths_within_a_deviation_are_counted_by_kind() {
+        let truth = [Material { kd: [0.5; 3], ks: [0.5; 3], r: 0.5 }; 3];
+        let found = [Material { kd: [0.5, 0.6, 0.7], ks: [0.5; 3], r: 0.9 }; 3];
+        let deviation = [[0.11; 7], [f32::NAN; 7], [0.5; 7]];
+        let [kd, ks, r] = within(&truth, &found, &deviation, &[true; 3]).unwrap();
+        assert!((kd - 5.0 / 6.0).abs() < 1e-9 && ks == 1.0 && r == 0.5, "{kd} {ks} {r}");
+        assert_eq!(within(&truth, &found, &deviation, &[false, true, false]), None);
     }
 
     #[test]

@@ -42,10 +42,21 @@ pub enum Kind {
     Network,
     /// Least squares in the known light.
     Fit,
+    /// The same from what the network says.
+    #[serde(rename = "network+fit")]
+    NetworkAndFit,
+}
+
+impl Kind {
+    /// Whether it asks a network.
+    pub fn has_network(self) -> bool {
+        self != Kind::Fit
+    }
 }
 
 impl Choice for Kind {
-    const NAMES: &'static [(&'static str, Self)] = &[("network", Kind::Network), ("fit", Kind::Fit)];
+    const NAMES: &'static [(&'static str, Self)] =
+        &[("network", Kind::Network), ("fit", Kind::Fit), ("network+fit", Kind::NetworkAndFit)];
 }
 
 /// The network that infers.

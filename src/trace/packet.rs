@@ -12,7 +12,8 @@ use super::triangle::{Packed, meet};
 /// Rays of a packet.
 pub(super) const LANES: usize = 16;
 
-type Lanes = [f32; LANES];
+/// A value for each ray.
+pub(super) type Lanes = [f32; LANES];
 
 /// The rays, and the nearest that each has met.
 #[derive(Debug, Clone)]
@@ -118,17 +119,7 @@ impl Packet {
                 }
             }
         }
-        let [a, b, c] = &sheared;
-        let mut candidates = [false; LANES];
-        for l in 0..LANES {
-            let u = c[0][l] * b[1][l] - c[1][l] * b[0][l];
-            let v = a[0][l] * c[1][l] - a[1][l] * c[0][l];
-            let w = b[0][l] * a[1][l] - b[1][l] * a[0][l];
-            let low = smaller(smaller(u, v), w);
-            let high = larger(larger(u, v), w);
-            // What is no number has no sign.
-            candidates[l] = !((low < 0.0) & (high > 0.0));
-        }
+        let candidates = candidates(&sheared);
         for l in 0..LANES {
             if candidates[l] {
                 let corner = |i: usize| [sheared[i][0][l], sheared[i][1][l], moved[i][2]];
@@ -139,6 +130,22 @@ impl Packet {
             }
         }
     }
+}
+
+/// Lanes whose edge functions do not sort the triangle out; `sheared` is x and y of each corner.
+#[inline(always)]
+pub(super) fn candidates([a, b, c]: &[[Lanes; 2]; 3]) -> [bool; LANES] {
+    let mut candidates = [false; LANES];
+    for l in 0..LANES {
+        let u = c[0][l] * b[1][l] - c[1][l] * b[0][l];
+        let v = a[0][l] * c[1][l] - a[1][l] * c[0][l];
+        let w = b[0][l] * a[1][l] - b[1][l] * a[0][l];
+        let low = smaller(smaller(u, v), w);
+        let high = larger(larger(u, v), w);
+        // What is no number has no sign.
+        candidates[l] = !((low < 0.0) & (high > 0.0));
+    }
+    candidates
 }
 
 /// Folds lanes in halves, which vectors can.

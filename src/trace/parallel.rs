@@ -8,12 +8,10 @@
 use glam::Vec3;
 
 use super::bvh::{Bvh, STACK, leaf};
-use super::packet::LANES;
+use super::packet::{LANES, Lanes, candidates};
 use super::ray::Course;
 use super::slab::{EMPTY, Node, WIDTH, larger, smaller};
 use super::triangle::{Packed, meet};
-
-type Lanes = [f32; LANES];
 
 /// Whether any triangle is in the way of the rays from `origins` along `direction`: `dark[i]` becomes what
 /// [`Bvh::occluded`] says, to any distance. Of two slices of different length, the longer one's rest is left alone.
@@ -107,27 +105,16 @@ impl Beam {
     fn intersect(&mut self, packed: &Packed) {
         let [x, y, z] = self.course.axes;
         let [shear_x, shear_y] = self.course.shear;
-        let sheared = packed.corners.map(|p| {
-            let depth = self.origins[z].map(|o| p[z] - o);
-            let across = |axis: usize, shear: f32| -> Lanes {
-                std::array::from_fn(|l| p[axis] - self.origins[axis][l] - shear * depth[l])
-            };
-            [across(x, shear_x), across(y, shear_y), depth]
-        });
-        let [a, b, c] = &sheared;
-        let mut candidates = [false; LANES];
-        for l in 0..LANES {
-            let u = c[0][l] * b[1][l] - c[1][l] * b[0][l];
-            let v = a[0][l] * c[1][l] - a[1][l] * c[0][l];
-            let w = b[0][l] * a[1][l] - b[1][l] * a[0][l];
-            let low = smaller(smaller(u, v), w);
-            let high = larger(larger(u, v), w);
-            // What is no number has no sign.
-            candidates[l] = !((low < 0.0) & (high > 0.0));
-        }
+        let depths = packed.corners.map(|p| self.origins[z].map(|o| p[z] - o));
+        let across = |corner: usize, axis: usize, shear: f32| -> Lanes {
+            let at = packed.corners[corner][axis];
+            std::array::from_fn(|l| at - self.origins[axis][l] - shear * depths[corner][l])
+        };
+        let sheared = [0, 1, 2].map(|corner| [across(corner, x, shear_x), across(corner, y, shear_y)]);
+        let candidates = candidates(&sheared);
         for l in (0..LANES).filter(|&l| candidates[l]) {
             if !self.done[l] {
-                let corner = |i: usize| [sheared[i][0][l], sheared[i][1][l], sheared[i][2][l]];
+                let corner = |i: usize| [sheared[i][0][l], sheared[i][1][l], depths[i][l]];
                 self.done[l] = meet([corner(0), corner(1), corner(2)], self.course.depth).is_some();
             }
         }

@@ -46,6 +46,10 @@ fn a_known_light_gives_the_colours_back() {
     let ([fit, plain, within], [network, _, said]) = (errors(dir.path(), "fit"), errors(dir.path(), "network"));
     assert!(fit < 0.6 * plain && fit < 0.6 * network, "fit {fit}, mean radiance {plain}, network {network}");
     assert!((0.55..0.85).contains(&within) && said == 0.0, "{within} of the truths within a deviation; {said}");
+    // From what the network says it goes as well, and as far.
+    run(&dir, "both", &format!("{LIGHT} infer.estimator=network+fit infer.backend=embedded"));
+    let [both, ..] = errors(dir.path(), "both");
+    assert!(both < 0.6 * plain && outputs(&dir.path().join("fit")) != outputs(&dir.path().join("both")), "{both}");
     // One thread and small tiles give the same bytes, and another sun is another answer.
     run(&dir, "again", &format!("{LIGHT} run.threads=1 cast.tile=8 infer.batch=7"));
     assert!(outputs(&dir.path().join("fit")) == outputs(&dir.path().join("again")));

@@ -82,7 +82,10 @@ def set4(points=24, width=19):
     write("set4", g, g.add("Sigmoid", g.dense(x, 2 * width, 7)))
 
 
-def bins7(name="bins7", width=17, shape=("N", "S", 7), metadata=METADATA | {"gonio.bins": "24"}):
+BINS_24 = METADATA | {"gonio.bins": "24"}
+
+
+def bins7(name="bins7", width=17, shape=("N", "S", 7), metadata=BINS_24):
     g = Graph(5)
     mask = g.add("Cast", g.add("Greater", g.add("Slice", "bins", g.ints(6), g.ints(7), g.ints(2)), g.weight(np.float32(0))),
                  to=TensorProto.FLOAT)
@@ -148,6 +151,7 @@ def broken():
     plain("weights_outside", graph=g, mu=x)
     bins7("bins_8", shape=("N", "S", 8))
     bins7("fixed_bins", shape=("N", 24, 7))
+    bins7("bad_deviation", metadata=BINS_24 | {"gonio.deviation": "[0.1, 0, 2]"})
     bins7("no_bins", metadata=METADATA)
     bins7("bins_zero", metadata=METADATA | {"gonio.bins": "0"})
 
@@ -155,6 +159,6 @@ def broken():
 if __name__ == "__main__":
     conv4()
     set4()
-    bins7()
+    bins7(metadata=BINS_24 | {"gonio.deviation": "[0.1,0.1,0.1,0.2,0.2,0.2,0.25]"})
     light3()
     broken()

@@ -9,13 +9,18 @@
 //!
 //! so that for each of [`LEVELS`] roughnesses the best kd and ks solve two linear equations (variable projection: Golub and
 //! Pereyra, SIAM J. Numer. Anal. 10(2), 1973), kept in [0, 1]. Both have a Gaussian prior as wide as [0, 1], rather dark and
-//! rather matt, which decides where the map says nothing. How well each roughness explains the map, its evidence (MacKay, Neural Computation 4(3),
-//! 1992), weighs it, and the answer is the weighted mean: a map that shows a highlight has one roughness, and one that shows
-//! none gets the middle of those that are possible. Their spread, and that of kd and ks at each, is the standard deviation
-//! of the answer. A second pass gives less weight to bins that the first cannot explain,
-//! which something that passed by may have filled, and none to clipped bins that are brighter than what they say.
+//! rather matt, which decides where the map says nothing. How well each roughness explains the map, its evidence (MacKay,
+//! Neural Computation 4(3), 1992), weighs it, and the answer is the weighted mean: a map that shows a highlight has one
+//! roughness, and one that shows none gets the middle of those that are possible. Their spread, and that of kd and ks at
+//! each, is the standard deviation of the answer.
+//!
+//! A bin's radiance is sure to a step of 8 bits and a share of what the lobe sends there, since the lobe changes within the
+//! bin. A second pass takes the noise to be as large as the first left unexplained, and gives less weight to bins that
+//! it cannot explain, which something that passed by may have filled, and none to clipped ones of which it expects more.
 
 mod session;
+mod solve;
+mod sums;
 mod tables;
 #[cfg(test)]
 mod tests;
@@ -23,34 +28,47 @@ mod tests;
 use std::path::PathBuf;
 
 use super::contract::{Contract, Input};
-use super::{Estimator, Session};
-use crate::base::Result;
+use super::{Estimate, Estimator, Session};
 use crate::base::key::{Key, KeyBuilder};
 use crate::base::units::Bytes;
-use crate::scene::reflectance::{FRONT_BINS, Kind};
+use crate::base::{Error, Result};
+use crate::scene::Material;
+use crate::scene::light::LocalLight;
+use crate::scene::reflectance::{FRONT_BINS, Kind, SparseMap};
 use session::FitSession;
 use tables::LEVELS;
 
-/// The fit as an estimator.
-#[derive(Debug)]
+/// The fit as an estimator, by itself or with a network whose answers it starts from: these are then what is thought of a
+/// material beforehand, as surely as the network says, and what the map tells in the known light moves it from there.
 pub struct Fit {
     contract: Contract,
+    network: Option<Box<dyn Estimator>>,
 }
 
 /// Changes whenever the same map and light give another material.
-const VERSION: &str = "1";
+const VERSION: &str = "2";
 
-impl Default for Fit {
-    fn default() -> Self {
+/// What is thought of a material beforehand where no network says: outdoors most surfaces are darker than the middle of the
+/// range, and more of them matt than shiny.
+const OUTDOORS: Estimate = Estimate {
+    material: Material { kd: [0.25; 3], ks: [0.35; 3], r: 0.5 },
+    // The roughness is as likely to be anything.
+    deviation: [0.288_7, 0.288_7, 0.288_7, 0.288_7, 0.288_7, 0.288_7, f32::INFINITY],
+};
+
+impl Fit {
+    /// The fit, with a network or without.
+    pub fn new(network: Option<Box<dyn Estimator>>) -> Fit {
         let contract = Contract {
             model: PathBuf::from("fit"),
             kind: Kind::Lobe,
             input: Input::Bins { most: FRONT_BINS },
             light: true,
             version: VERSION.into(),
+            deviation: None,
             training: serde_json::Value::Null,
         };
-        Fit { contract }
+        Fit { contract, network }
     }
 }
 
@@ -60,26 +78,54 @@ impl Estimator for Fit {
     }
 
     fn describe(&self) -> String {
-        format!("fit version {VERSION} (least squares in the known light, {LEVELS} roughnesses)")
+        let network = self.network.as_ref().map_or(String::new(), |network| format!(", from {}", network.describe()));
+        format!("fit version {VERSION} (least squares in the known light, {LEVELS} roughnesses){network}")
     }
 
     fn key(&self) -> Key {
-        KeyBuilder::new("gonio fit").field(VERSION.as_bytes()).finish()
+        let key = KeyBuilder::new("gonio fit").field(VERSION.as_bytes());
+        self.network.iter().fold(key, |key, network| key.key(network.key())).finish()
     }
 
     fn engine(&self) -> String {
-        "built in".to_owned()
+        self.network.as_ref().map_or("built in".to_owned(), |network| network.engine())
     }
 
     fn micro_batch(&self) -> usize {
-        1
+        self.network.as_ref().map_or(1, |network| network.micro_batch())
     }
 
     fn memory(&self, sessions: usize) -> Bytes {
-        Bytes(Bytes::MIB + sessions as u64 * FitSession::BYTES)
+        let network = self.network.as_ref().map_or(Bytes(0), |network| network.memory(sessions));
+        Bytes(network.0 + Bytes::MIB + sessions as u64 * FitSession::BYTES)
     }
 
     fn session(&self) -> Result<Box<dyn Session>> {
-        Ok(Box::new(FitSession::default()))
+        let session = |network: &dyn Estimator| -> Result<_> { Ok((network.contract().light, network.session()?)) };
+        let network = self.network.as_deref().map(session).transpose()?;
+        Ok(Box::new(Worker { fit: FitSession::default(), network }))
+    }
+}
+
+/// One worker's fits, and its way through the network, which may want the light too.
+struct Worker {
+    fit: FitSession,
+    network: Option<(bool, Box<dyn Session>)>,
+}
+
+impl Session for Worker {
+    fn estimate(&mut self, maps: &[&SparseMap], lights: Option<&[LocalLight]>, out: &mut [Estimate]) -> Result<()> {
+        let lights = lights.filter(|lights| lights.len() == maps.len() && maps.len() == out.len());
+        let lights = lights.ok_or_else(|| {
+            Error::invalid(format!("fit: {} maps need as many lights and {} places", maps.len(), out.len()))
+        })?;
+        match &mut self.network {
+            Some((light, network)) => network.estimate(maps, light.then_some(lights), out)?,
+            None => out.fill(OUTDOORS),
+        }
+        for ((map, light), out) in maps.iter().zip(lights).zip(out) {
+            *out = self.fit.fit(map, light, out);
+        }
+        Ok(())
     }
 }

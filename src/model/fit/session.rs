@@ -4,49 +4,42 @@ use std::f32::consts::PI;
 
 use glam::Vec3;
 
-use super::tables::{DIRECTIONS, LEVELS, TABLES};
-use crate::base::{Error, Result};
-use crate::model::{Estimate, Session};
+use super::solve::{Prior, Solution, mean, solve};
+use super::sums::Sums;
+use super::tables::{DIRECTIONS, LEVELS, Levels, TABLES};
+use crate::model::Estimate;
 use crate::scene::Material;
 use crate::scene::brdf::{distribution, fresnel, lambda};
 use crate::scene::light::LocalLight;
 use crate::scene::reflectance::{COLUMNS, FRONT_BINS, SparseMap};
 
-/// Means of the priors: outdoors most surfaces are darker than the middle of the range, and more of them matt than shiny.
-const KD: f64 = 0.25;
-const KS: f64 = 0.35;
+/// Standard deviation of a bin's radiance: a step of 8 bits.
+const NOISE: f64 = 0.004;
 
-/// Precision (one over the variance) of both: that of values spread evenly over [0, 1].
-const PRECISION: f64 = 12.0;
+/// What a bin does not tell of the lobe, as a share of it: it stands for all directions in it, and is held against that in
+/// its middle.
+const WITHIN_BIN: f64 = 0.1;
 
-/// Standard deviation of a bin's radiance: a part of its own, and a share of the radiance. Pixels are steps of 1/255, which
-/// are fine where it is dark, and have neighbours mixed in; and a bin stands for all directions in it. Of the values tried on
-/// a synthetic city, 0.002 to 0.03 and 0.02 to 0.15, these gave the smallest errors, by little.
-const NOISE: f32 = 0.002;
-const NOISE_SHARE: f32 = 0.05;
+/// Mean ks by which the first pass judges that share.
+const SOME_KS: f64 = 0.5;
 
 /// Residual, in standard deviations, at which a bin counts for half.
-const FAR: f32 = 1.0;
+const FAR: f64 = 1.0;
 
-/// Variance of a roughness within its step.
-const STEP: f64 = 1.0 / (12 * LEVELS * LEVELS) as f64;
+/// Bins whose variances are multiplied before a logarithm is taken: their product is no larger than 1e200.
+const AT_ONCE: usize = 8;
 
-/// What deviations are multiplied by, component by component, so that two thirds of the truths lie within one: what the
-/// model leaves out (pixels that are mixed, light from surface to surface, shadows' edges) is not in the noise. Measured on
-/// a synthetic city of 51,000 triangles.
-const CALIBRATION: [f64; Material::LEN] = [1.77, 1.77, 1.77, 0.8, 0.8, 0.8, 1.0];
-
-/// No deviation is larger than that of values spread evenly over [0, 1].
-const WIDEST: f64 = 0.288_7;
+/// What is solved for in a map: three kd, three ks, one roughness.
+const UNKNOWNS: usize = Material::LEN;
 
 /// What is known of one bin.
 #[derive(Debug, Clone, Copy)]
 struct Seen {
     rgb: [f32; 3],
-    /// One over the variance of the noise, channel by channel.
-    precision: [f32; 3],
     /// What it counts for, 0 to 1.
-    weight: f32,
+    weight: f64,
+    /// Squared residuals of its channels, in variances of the noise.
+    far: f64,
     /// Whether most of its pixels were clipped, so that it says only how bright it is at least.
     clipped: bool,
     /// Of the direction: the row, and what the lobe takes of it.
@@ -67,28 +60,23 @@ struct Facet {
 #[derive(Default)]
 pub struct FitSession {
     seen: Vec<Seen>,
-    /// Radiance of the lobe with ks = 1 in the sun alone: level by level, the bins.
-    lobe: Vec<f32>,
-}
-
-/// kd and ks of one roughness, their variances, and the logarithm of its evidence.
-#[derive(Debug, Clone, Copy, Default)]
-struct Solution {
-    kd: [f64; 3],
-    ks: [f64; 3],
-    variance: [f64; 6],
-    evidence: f64,
+    /// Radiance of the lobe with ks = 1 in the sun alone, bin by bin.
+    lobe: Vec<Levels>,
 }
 
 impl FitSession {
     /// Bytes that one holds at most.
     pub const BYTES: u64 = (FRONT_BINS * (size_of::<Seen>() + LEVELS * size_of::<f32>())) as u64;
 
-    fn fit(&mut self, map: &SparseMap, light: &LocalLight) -> Estimate {
+    /// The material of a map in this light. `guess` is what is thought of it beforehand, and how surely.
+    pub fn fit(&mut self, map: &SparseMap, light: &LocalLight, guess: &Estimate) -> Estimate {
+        let prior = Prior::of(guess);
         self.look(map, light);
-        let first = self.solve_all(light);
-        self.weigh(&first, light);
-        mean(&self.solve_all(light))
+        let noise = NOISE * NOISE;
+        let first = self.solve_all(light, &prior, noise, &[SOME_KS; LEVELS]);
+        let noise = noise * self.weigh(&first, light, noise);
+        let shine = std::array::from_fn(|level| first[level].ks.iter().sum::<f64>() / 3.0);
+        mean(&self.solve_all(light, &prior, noise, &shine))
     }
 
     /// Gathers what does not change while the map is fitted.
@@ -96,79 +84,76 @@ impl FitSession {
         self.seen.clear();
         for (bin, sum) in map.bins.iter().filter(|(bin, _)| usize::from(*bin) < FRONT_BINS) {
             let rgb = sum.mean();
-            let precision = rgb.map(|v| (NOISE * NOISE + (NOISE_SHARE * v).powi(2)).recip());
             let clipped = 2 * sum.clipped > sum.count;
             let facet = facet(light.direction, DIRECTIONS[usize::from(*bin)]);
-            self.seen.push(Seen { rgb, precision, weight: 1.0, clipped, row: usize::from(*bin) / COLUMNS, facet });
+            self.seen.push(Seen { rgb, weight: 1.0, far: 0.0, clipped, row: usize::from(*bin) / COLUMNS, facet });
         }
+        let sunward = TABLES.alpha.map(|alpha| lambda(alpha, light.direction.z.max(1e-4)));
         self.lobe.clear();
-        for level in TABLES.iter() {
-            let sunward = lambda(level.alpha, light.direction.z.max(1e-4));
-            self.lobe.extend(self.seen.iter().map(|bin| {
-                let d = distribution(level.alpha, bin.facet.cos2, bin.facet.sin2);
-                d * bin.facet.scale / (1.0 + sunward + level.lambda[bin.row])
-            }));
-        }
+        self.lobe.extend(self.seen.iter().map(|bin| {
+            let (Facet { cos2, sin2, scale }, away) = (bin.facet, &TABLES.lambda[bin.row]);
+            std::array::from_fn(|level| {
+                distribution(TABLES.alpha[level], cos2, sin2) * scale / (1.0 + sunward[level] + away[level])
+            })
+        }));
     }
 
-    fn solve_all(&self, light: &LocalLight) -> [Solution; LEVELS] {
-        std::array::from_fn(|level| self.solve(level, light))
-    }
-
-    fn solve(&self, level: usize, light: &LocalLight) -> Solution {
-        let (lobe, sky) = (self.lobe(level), &TABLES[level].sky);
+    /// The best kd and ks of each roughness, where the noise has this variance and `shine` is about its mean ks.
+    fn solve_all(&self, light: &LocalLight, prior: &Prior, noise: f64, shine: &Levels<f64>) -> [Solution; LEVELS] {
+        let sums = self.sum(light, noise, shine);
         let white = white(light);
-        let mut solution = Solution::default();
-        for c in 0..3 {
-            let [mut w, mut wb, mut wbb, mut wl, mut wbl, mut wll] = [0f64; 6];
-            for (bin, &lobe) in self.seen.iter().zip(lobe) {
-                let weight = f64::from(bin.weight * bin.precision[c]);
-                let b = f64::from(light.sun[c] * lobe + light.sky[c] * sky[bin.row]);
-                let l = f64::from(bin.rgb[c]);
-                w += weight;
-                wb += weight * b;
-                wbb += weight * b * b;
-                wl += weight * l;
-                wbl += weight * b * l;
-                wll += weight * l * l;
-            }
-            let a = f64::from(white[c]);
-            let right = [a * wl + PRECISION * KD, wbl + PRECISION * KS];
-            let normal = [a * a * w + PRECISION, a * wb, wbb + PRECISION];
-            let [kd, ks] = solve_within(normal, right);
-            let [n, m, k] = normal;
-            let misfit = wll + PRECISION * (KD * KD + KS * KS) - 2.0 * (kd * right[0] + ks * right[1])
-                + n * kd * kd
-                + 2.0 * m * kd * ks
-                + k * ks * ks;
-            let det = n * k - m * m;
-            (solution.kd[c], solution.ks[c]) = (kd, ks);
-            (solution.variance[c], solution.variance[3 + c]) = (k / det, n / det);
-            solution.evidence -= 0.5 * (misfit + det.ln());
-        }
-        solution
+        std::array::from_fn(|level| solve(level, &sums, prior, white))
     }
 
-    /// Gives less weight to bins that the likeliest solution does not explain.
-    fn weigh(&mut self, solutions: &[Solution; LEVELS], light: &LocalLight) {
+    /// All roughnesses go through a bin together, which is what makes it quick.
+    fn sum(&self, light: &LocalLight, noise: f64, shine: &Levels<f64>) -> Sums {
+        let mut sums = Sums::default();
+        let blurred = shine.map(|ks| WITHIN_BIN * ks / noise.sqrt());
+        let (sun, sky) = (light.sun.element_sum() / 3.0, light.sky.element_sum() / 3.0);
+        for (bins, lobes) in self.seen.chunks(AT_ONCE).zip(self.lobe.chunks(AT_ONCE)) {
+            let mut product = [1.0; LEVELS];
+            for (bin, lobe) in bins.iter().zip(lobes) {
+                let (sheen, precision) = (&TABLES.sky[bin.row], bin.weight / noise);
+                let mut weight = [0.0; LEVELS];
+                for level in 0..LEVELS {
+                    let blur = blurred[level] * f64::from(sun * lobe[level] + sky * sheen[level]);
+                    let variance = 1.0 + blur * blur;
+                    product[level] *= variance;
+                    weight[level] = precision / variance;
+                    sums.w[level] += weight[level];
+                }
+                for (c, sums) in sums.channels.iter_mut().enumerate() {
+                    sums.add(&weight, bin.rgb[c], |level| light.sun[c] * lobe[level] + light.sky[c] * sheen[level]);
+                }
+            }
+            (0..LEVELS).for_each(|level| sums.spread[level] += product[level].ln());
+        }
+        sums
+    }
+
+    /// Gives less weight to bins that the likeliest solution does not explain, and says by how much the noise is to be taken
+    /// larger than `noise`: where pixels mix neighbours, all bins are off, and highlights are not to be made of it.
+    fn weigh(&mut self, solutions: &[Solution; LEVELS], light: &LocalLight, noise: f64) -> f64 {
         let best = (0..LEVELS).max_by(|&a, &b| solutions[a].evidence.total_cmp(&solutions[b].evidence)).unwrap_or(0);
         let (Solution { kd, ks, .. }, white) = (solutions[best], white(light));
-        let sky = &TABLES[best].sky;
-        let lobe = &self.lobe[best * self.seen.len()..][..self.seen.len()];
-        for (bin, &lobe) in self.seen.iter_mut().zip(lobe) {
-            let (mut far, mut brighter) = (0.0, true);
-            for c in 0..3 {
-                let shiny = light.sun[c] * lobe + light.sky[c] * sky[bin.row];
-                let told = kd[c] as f32 * white[c] + ks[c] as f32 * shiny;
-                far += (told - bin.rgb[c]).powi(2) * bin.precision[c] / 3.0;
-                brighter &= told >= bin.rgb[c];
-            }
-            bin.weight = if bin.clipped && brighter { 0.0 } else { 1.0 / (1.0 + far / (FAR * FAR)) };
+        let mean_ks = ks.iter().sum::<f64>() / 3.0;
+        for (bin, lobe) in self.seen.iter_mut().zip(&self.lobe) {
+            let shiny = light.sun * lobe[best] + light.sky * TABLES.sky[bin.row][best];
+            let blur = WITHIN_BIN * mean_ks * f64::from(shiny.element_sum() / 3.0);
+            let off = |c: usize| kd[c] * f64::from(white[c]) + ks[c] * f64::from(shiny[c]) - f64::from(bin.rgb[c]);
+            let off = [off(0), off(1), off(2)];
+            let brighter = off.iter().all(|off| *off >= 0.0);
+            bin.far = off.iter().map(|off| off * off).sum::<f64>() / (noise + blur * blur);
+            // That it is brighter than what was clipped is no fault.
+            bin.weight = if bin.clipped && brighter { 0.0 } else { 1.0 };
         }
-    }
-
-    fn lobe(&self, level: usize) -> &[f32] {
-        &self.lobe[level * self.seen.len()..][..self.seen.len()]
+        let sum: f64 = self.seen.iter().map(|bin| bin.weight * bin.far).sum();
+        let free = (3 * self.seen.len()).saturating_sub(UNKNOWNS).max(3);
+        let larger = (sum / free as f64).max(1.0);
+        for bin in &mut self.seen {
+            bin.weight /= 1.0 + bin.far / (3.0 * larger * FAR * FAR);
+        }
+        larger
     }
 }
 
@@ -181,53 +166,4 @@ fn facet(wi: Vec3, wo: Vec3) -> Facet {
     let h = (wi + wo).normalize_or_zero();
     let scale = if wi.z > 0.0 { PI * fresnel(wi.dot(h).clamp(0.0, 1.0)) / (4.0 * wo.z) } else { 0.0 };
     Facet { cos2: h.z * h.z, sin2: h.x * h.x + h.y * h.y, scale }
-}
-
-/// The minimum in [0, 1]^2 of the quadratic with this normal matrix (symmetric: upper left, off the diagonal, lower right)
-/// and right side.
-fn solve_within([n, m, k]: [f64; 3], [p, q]: [f64; 2]) -> [f64; 2] {
-    let det = n * k - m * m;
-    let free = [(p * k - q * m) / det, (q * n - p * m) / det];
-    if free.iter().all(|v| (0.0..=1.0).contains(v)) {
-        return free;
-    }
-    // It lies on one of the edges.
-    let cost = |[x, y]: [f64; 2]| n * x * x + 2.0 * m * x * y + k * y * y - 2.0 * (p * x + q * y);
-    let upright = [0.0, 1.0].map(|x| [x, ((q - m * x) / k).clamp(0.0, 1.0)]);
-    let level = [0.0, 1.0].map(|y| [((p - m * y) / n).clamp(0.0, 1.0), y]);
-    let edges = upright.into_iter().chain(level);
-    edges.min_by(|a, b| cost(*a).total_cmp(&cost(*b))).unwrap_or([0.0; 2])
-}
-
-/// Mean and deviation of all roughnesses, weighted by their evidence.
-fn mean(solutions: &[Solution; LEVELS]) -> Estimate {
-    let most = solutions.iter().map(|s| s.evidence).fold(f64::NEG_INFINITY, f64::max);
-    let (mut sum, mut squares, mut all) = ([0f64; Material::LEN], [0f64; Material::LEN], 0.0);
-    for (s, level) in solutions.iter().zip(TABLES.iter()) {
-        let weight = (s.evidence - most).exp();
-        let values = s.kd.iter().chain(&s.ks).copied().chain([f64::from(level.r)]);
-        for (c, (value, variance)) in values.zip(s.variance.into_iter().chain([STEP])).enumerate() {
-            sum[c] += weight * value;
-            squares[c] += weight * (value * value + variance);
-        }
-        all += weight;
-    }
-    let deviation = std::array::from_fn(|c| {
-        let mean = sum[c] / all;
-        (CALIBRATION[c] * (squares[c] / all - mean * mean).max(0.0).sqrt()).min(WIDEST) as f32
-    });
-    Estimate { material: Material::from(sum.map(|v| ((v / all) as f32).clamp(0.0, 1.0))), deviation }
-}
-
-impl Session for FitSession {
-    fn estimate(&mut self, maps: &[&SparseMap], lights: Option<&[LocalLight]>, out: &mut [Estimate]) -> Result<()> {
-        let lights = lights.filter(|lights| lights.len() == maps.len() && maps.len() == out.len());
-        let lights = lights.ok_or_else(|| {
-            Error::invalid(format!("fit: {} maps need as many lights and {} places", maps.len(), out.len()))
-        })?;
-        for ((map, light), out) in maps.iter().zip(lights).zip(out) {
-            *out = self.fit(map, light);
-        }
-        Ok(())
-    }
 }

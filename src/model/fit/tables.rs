@@ -18,32 +18,37 @@ pub const ROWS: usize = FRONT_BINS / COLUMNS;
 /// their variance. A half vector moves half as far, so that a lobe is seen as if it were this much wider.
 const BLUR: f32 = 0.5 * 0.052_36 * 0.288_7;
 
-/// One roughness.
-pub struct Level {
-    /// The roughness.
-    pub r: f32,
+/// A value for each roughness.
+pub type Levels<T = f32> = [T; LEVELS];
+
+/// What depends on the roughness, ascending.
+pub struct Tables {
+    /// The roughnesses.
+    pub r: Levels,
     /// The lobe's width as it is seen through bins.
-    pub alpha: f32,
+    pub alpha: Levels,
     /// Smith's Lambda towards the rows.
-    pub lambda: [f32; ROWS],
+    pub lambda: [Levels; ROWS],
     /// What the lobe sends of a white sky towards the rows.
-    pub sky: [f32; ROWS],
+    pub sky: [Levels; ROWS],
 }
 
-/// All roughnesses, ascending.
-pub static TABLES: LazyLock<Vec<Level>> = LazyLock::new(|| (0..LEVELS).map(level).collect());
+/// All of it.
+pub static TABLES: LazyLock<Tables> = LazyLock::new(Tables::new);
 
 /// The middle of every bin of the front.
 pub static DIRECTIONS: LazyLock<Vec<Vec3>> = LazyLock::new(|| (0..FRONT_BINS as Bin).map(direction_of).collect());
 
-fn level(i: usize) -> Level {
-    let r = (i as f32 + 0.5) / LEVELS as f32;
-    let alpha = Material { kd: [0.0; 3], ks: [0.0; 3], r }.alpha().hypot(BLUR);
-    let cos = |row: usize| DIRECTIONS[row * COLUMNS].z;
-    Level {
-        r,
-        alpha,
-        lambda: std::array::from_fn(|row| lambda(alpha, cos(row))),
-        sky: std::array::from_fn(|row| sky_specular(r, cos(row))),
+impl Tables {
+    fn new() -> Tables {
+        let r: Levels = std::array::from_fn(|i| (i as f32 + 0.5) / LEVELS as f32);
+        let alpha = r.map(|r| Material { kd: [0.0; 3], ks: [0.0; 3], r }.alpha().hypot(BLUR));
+        let cos = |row: usize| DIRECTIONS[row * COLUMNS].z;
+        Tables {
+            r,
+            alpha,
+            lambda: std::array::from_fn(|row| alpha.map(|alpha| lambda(alpha, cos(row)))),
+            sky: std::array::from_fn(|row| r.map(|r| sky_specular(r, cos(row)))),
+        }
     }
 }

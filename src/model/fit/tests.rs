@@ -45,7 +45,7 @@ fn light(rng: &mut Pcg64Mcg) -> LocalLight {
 /// Mean absolute errors of kd, ks and r over random materials; `wrong` changes the light that the fit is told.
 fn errors(bins: usize, sky: Vec3, wrong: impl Fn(LocalLight) -> LocalLight) -> [f32; 3] {
     let mut rng = Pcg64Mcg::seed_from_u64(bins as u64);
-    let mut session = Fit::default().session().unwrap();
+    let mut session = Fit::new(None).session().unwrap();
     let mut sums = [0.0; 3];
     let count = 1000;
     for _ in 0..count {
@@ -86,7 +86,7 @@ fn a_sun_three_degrees_off_is_borne() {
 
 #[test]
 fn shadow_and_nothing_fall_back_on_the_prior() {
-    let mut session = Fit::default().session().unwrap();
+    let mut session = Fit::new(None).session().unwrap();
     let dark = LocalLight { direction: Vec3::Z, sun: Vec3::ZERO, sky: Vec3::ZERO };
     let map = SparseMap { bins: vec![(5, BinSum::one([0.0; 3], false))] };
     let mut found = [Estimate::default(); 2];
@@ -112,12 +112,12 @@ fn an_outlier_frame_counts_for_little() {
     let mut map = map(&mut rng, &truth, &light, 16);
     map.bins[7].1 = BinSum::one([0.9, 0.1, 0.1], false);
     let mut found = [Estimate::default()];
-    Fit::default().session().unwrap().estimate(&[&map], Some(&[light]), &mut found).unwrap();
+    Fit::new(None).session().unwrap().estimate(&[&map], Some(&[light]), &mut found).unwrap();
     assert!(found[0].material.kd.iter().zip(truth.kd).all(|(a, b)| (a - b).abs() < 0.03), "{found:?}");
 }
 
 #[test]
 fn lights_are_needed() {
-    let said = Fit::default().session().unwrap().estimate(&[&SparseMap::default()], None, &mut [Estimate::default()]);
+    let said = Fit::new(None).session().unwrap().estimate(&[&SparseMap::default()], None, &mut [Estimate::default()]);
     assert!(said.unwrap_err().to_string().contains("as many lights"));
 }

@@ -217,9 +217,9 @@ fn infer(s: &Section<'_>, light: &light::Config) -> infer::Config {
     };
     let library = "name the library file, as libonnxruntime.so, or take the key out";
     let estimator = s.choice("estimator", d.estimator);
-    if estimator == infer::Kind::Fit && light.mode == light::Mode::Unknown {
+    if estimator != infer::Kind::Network && light.mode == light::Mode::Unknown {
         let hint = "set [light] mode = \"known\" and its sun, or estimator = \"network\"";
-        s.faults(vec![Fault::new("estimator", "needs a known light where it is \"fit\"", "an unknown one").hint(hint)]);
+        s.faults(vec![Fault::new("estimator", "needs a known light where it fits", "an unknown one").hint(hint)]);
     }
     let config = infer::Config {
         estimator,

@@ -104,19 +104,25 @@ fn open(store: &Arc<dyn Store>, progress: &Progress) -> Result<Manifest> {
 
 /// Makes the estimator. A network is loaded, and must eat what scenes give.
 pub fn estimator(pipeline: &Pipeline) -> Result<Box<dyn Estimator>> {
+    let kind = pipeline.infer.estimator;
+    let network = kind.has_network().then(|| network(pipeline)).transpose()?;
+    Ok(match network {
+        Some(network) if kind == infer::Kind::Network => network,
+        network => Box::new(Fit::new(network)),
+    })
+}
+
+fn network(pipeline: &Pipeline) -> Result<Box<dyn Estimator>> {
     let config = &pipeline.infer;
-    if config.estimator == infer::Kind::Fit {
-        return Ok(Box::new(Fit::default()));
-    }
-    let estimator = model::load(&config.model.source(), config.backend, config.library.as_deref())?;
-    estimator.contract().require(Kind::Lobe)?;
-    if estimator.contract().light && pipeline.light.mode == light::Mode::Unknown {
+    let network = model::load(&config.model.source(), config.backend, config.library.as_deref())?;
+    network.contract().require(Kind::Lobe)?;
+    if network.contract().light && pipeline.light.mode == light::Mode::Unknown {
         return Err(Error::invalid(format!(
             "{} wants to know the light, and [light] mode is \"unknown\": make it known, or choose a model without a `light` input",
-            estimator.describe()
+            network.describe()
         )));
     }
-    Ok(estimator)
+    Ok(network)
 }
 
 impl<'a> Run<'a> {

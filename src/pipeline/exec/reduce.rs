@@ -68,10 +68,9 @@ impl Run<'_> {
         let share = inputs.share(self.budget.left()).map_err(|missing| self.budget.missing("infer", missing))?;
         let held = self.budget.reserve("infer", share.inferring)?;
         let (min_bins, batch) = (self.pipeline.merge.min_bins as usize, self.pipeline.infer.batch as usize);
-        let bvh = loaded.bvh();
-        let config = &self.pipeline.light;
-        let light = estimator.contract().light;
-        let light = light.then(|| SceneLight::new(config, &loaded.mesh, &bvh, self.pipeline.export.up));
+        let bvh = estimator.contract().light.then(|| loaded.bvh());
+        let (config, up) = (&self.pipeline.light, self.pipeline.export.up);
+        let light = bvh.as_ref().map(|bvh| SceneLight::new(config, &loaded.mesh, bvh, up));
         let budget = self.budget.clone();
         let merged = Merged { segments: &segments, shards, budget: &budget, room: share.room() };
         let flow = Flow::source(&self.stop, "shards", merged)

@@ -1,0 +1,117 @@
+//! From sums over bins to materials: the best kd and ks of a roughness, how well it explains the map, and the mean of all.
+
+use glam::Vec3;
+
+use super::sums::Sums;
+use super::tables::{LEVELS, Levels, TABLES};
+use crate::model::Estimate;
+use crate::scene::Material;
+
+/// Variance of a roughness within its step.
+const STEP: f64 = 1.0 / (12 * LEVELS * LEVELS) as f64;
+
+/// What deviations are multiplied by, component by component, so that two thirds of the truths lie within one: what the
+/// model leaves out (pixels that are mixed, light from surface to surface, shadows' edges) is not in the noise. Measured on
+/// a synthetic city of 51,000 triangles.
+const CALIBRATION: [f64; Material::LEN] = [1.77, 1.77, 1.77, 0.8, 0.8, 0.8, 1.0];
+
+/// No deviation is larger than that of values spread evenly over [0, 1].
+pub const WIDEST: f64 = 0.288_7;
+
+/// What is thought of a material before its map is looked at: Gaussians.
+#[derive(Debug, Clone, Copy)]
+pub struct Prior {
+    /// Means of kd and ks.
+    mean: [f64; 6],
+    /// One over their variances.
+    precision: [f64; 6],
+    /// Logarithm of how likely each roughness is, but for a constant.
+    roughness: Levels<f64>,
+}
+
+impl Prior {
+    /// A component that nothing is said of has that of values spread evenly over [0, 1].
+    pub fn of(guess: &Estimate) -> Prior {
+        let variance = guess.deviation.map(|d| if d > 0.0 { f64::from(d).powi(2) } else { WIDEST * WIDEST });
+        let mean = guess.material.to_array().map(f64::from);
+        Prior {
+            mean: std::array::from_fn(|c| mean[c]),
+            precision: std::array::from_fn(|c| variance[c].recip()),
+            roughness: TABLES.r.map(|r| -0.5 * (f64::from(r) - mean[6]).powi(2) / variance[6]),
+        }
+    }
+}
+
+/// kd and ks of one roughness, their variances, and the logarithm of its evidence.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Solution {
+    /// Diffuse.
+    pub kd: [f64; 3],
+    /// Specular.
+    pub ks: [f64; 3],
+    variance: [f64; 6],
+    /// Its logarithm, but for a constant.
+    pub evidence: f64,
+}
+
+/// kd and ks of one roughness, channel by channel, in the light that a white Lambertian has radiance `white` in.
+pub fn solve(level: usize, sums: &Sums, prior: &Prior, white: Vec3) -> Solution {
+    let mut solution = Solution { evidence: prior.roughness[level] - 1.5 * sums.spread[level], ..Solution::default() };
+    let (w, mut dets) = (sums.w[level], 1.0);
+    for (c, sums) in sums.channels.iter().enumerate() {
+        let (a, wb, wbb, wbl) = (f64::from(white[c]), sums.wb[level], sums.wbb[level], sums.wbl[level]);
+        let (before, sure) = ([prior.mean[c], prior.mean[3 + c]], [prior.precision[c], prior.precision[3 + c]]);
+        let right = [a * sums.wl[level] + sure[0] * before[0], wbl + sure[1] * before[1]];
+        let normal = [a * a * w + sure[0], a * wb, wbb + sure[1]];
+        let [kd, ks] = solve_within(normal, right);
+        let [n, m, k] = normal;
+        let misfit = sums.wll[level] + sure[0] * before[0].powi(2) + sure[1] * before[1].powi(2)
+            - 2.0 * (kd * right[0] + ks * right[1])
+            + n * kd * kd
+            + 2.0 * m * kd * ks
+            + k * ks * ks;
+        let det = n * k - m * m;
+        (solution.kd[c], solution.ks[c]) = (kd, ks);
+        (solution.variance[c], solution.variance[3 + c]) = (k / det, n / det);
+        solution.evidence -= 0.5 * misfit;
+        dets *= det;
+    }
+    solution.evidence -= 0.5 * dets.ln();
+    solution
+}
+
+/// Mean and deviation of all roughnesses, weighted by their evidence.
+pub fn mean(solutions: &[Solution; LEVELS]) -> Estimate {
+    let most = solutions.iter().map(|s| s.evidence).fold(f64::NEG_INFINITY, f64::max);
+    let (mut sum, mut squares, mut all) = ([0f64; Material::LEN], [0f64; Material::LEN], 0.0);
+    for (s, r) in solutions.iter().zip(TABLES.r) {
+        let weight = (s.evidence - most).exp();
+        let values = s.kd.iter().chain(&s.ks).copied().chain([f64::from(r)]);
+        for (c, (value, variance)) in values.zip(s.variance.into_iter().chain([STEP])).enumerate() {
+            sum[c] += weight * value;
+            squares[c] += weight * (value * value + variance);
+        }
+        all += weight;
+    }
+    let deviation = std::array::from_fn(|c| {
+        let mean = sum[c] / all;
+        (CALIBRATION[c] * (squares[c] / all - mean * mean).max(0.0).sqrt()).min(WIDEST) as f32
+    });
+    Estimate { material: Material::from(sum.map(|v| ((v / all) as f32).clamp(0.0, 1.0))), deviation }
+}
+
+/// The minimum in [0, 1]^2 of the quadratic with this normal matrix (symmetric: upper left, off the diagonal, lower right)
+/// and right side.
+fn solve_within([n, m, k]: [f64; 3], [p, q]: [f64; 2]) -> [f64; 2] {
+    let det = n * k - m * m;
+    let free = [(p * k - q * m) / det, (q * n - p * m) / det];
+    if free.iter().all(|v| (0.0..=1.0).contains(v)) {
+        return free;
+    }
+    // It lies on one of the edges.
+    let cost = |[x, y]: [f64; 2]| n * x * x + 2.0 * m * x * y + k * y * y - 2.0 * (p * x + q * y);
+    let upright = [0.0, 1.0].map(|x| [x, ((q - m * x) / k).clamp(0.0, 1.0)]);
+    let level = [0.0, 1.0].map(|y| [((p - m * y) / n).clamp(0.0, 1.0), y]);
+    let edges = upright.into_iter().chain(level);
+    edges.min_by(|a, b| cost(*a).total_cmp(&cost(*b))).unwrap_or([0.0; 2])
+}
