@@ -5,19 +5,15 @@
 
 import argparse
 import json
-import os
 from pathlib import Path
 
-import onnx
 import torch
 
 from .data import SLOTS, stream
 from .network import BinsNetwork, SetNetwork
+from .onnx_file import graph, write
 from .train import predict, published_loss
 
-OPSET = 18
-# The oldest file format that holds this opset, so that older ONNX Runtimes read the file.
-IR_VERSION = 9
 VERSION = "2"
 HELD_OUT = 16_384
 
@@ -48,31 +44,6 @@ def training(network: SetNetwork, state: dict, binary: str) -> dict:
     return {"data": "gonio synth bins", "samples": state["samples"], "seed": state["seed"], "metrics": metrics}
 
 
-def graph(network: SetNetwork) -> onnx.ModelProto:
-    """The network behind the contract, without traces of where it was made."""
-    # Two maps, not one: a batch of one would be taken as fixed.
-    example = torch.full((2, 16, 7), 0.5)
-    program = torch.onnx.export(
-        BinsNetwork(network).eval(),
-        (example,),
-        input_names=["bins"],
-        output_names=["mu"],
-        dynamic_shapes={"bins": {0: torch.export.Dim("N"), 1: torch.export.Dim("S")}},
-        opset_version=OPSET,
-        dynamo=True,
-        verbose=False,
-    )
-    model = program.model_proto
-    model.ir_version = IR_VERSION
-    model.doc_string = model.graph.doc_string = ""
-    del model.metadata_props[:], model.graph.metadata_props[:]
-    graph = model.graph
-    for part in (*graph.node, *graph.input, *graph.output, *graph.value_info, *graph.initializer):
-        part.doc_string = ""
-        del part.metadata_props[:]
-    return model
-
-
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--gonio", default="../target/release/gonio", help="the gonio binary")
@@ -81,7 +52,7 @@ def main() -> None:
     args = parser.parse_args()
 
     network, state = load(args.checkpoint)
-    model = graph(network)
+    model = graph(BinsNetwork(network), torch.full((2, 16, 7), 0.5), "bins", {0: "N", 1: "S"})
     told = training(network, state, args.gonio)
     facts = {
         "gonio.kind": "lobe",
@@ -89,12 +60,7 @@ def main() -> None:
         "gonio.bins": str(SLOTS),
         "gonio.training": json.dumps(told),
     }
-    onnx.helper.set_model_props(model, facts)
-    onnx.checker.check_model(model, full_check=True)
-    args.out.parent.mkdir(parents=True, exist_ok=True)
-    temporary = args.out.with_suffix(".tmp")
-    onnx.save(model, temporary)
-    os.replace(temporary, args.out)
+    write(model, facts, args.out)
     parameters = sum(p.numel() for p in network.parameters())
     print(f"{args.out}: {parameters} parameters, {args.out.stat().st_size} bytes, {facts['gonio.training']}")
 

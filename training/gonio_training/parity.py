@@ -19,11 +19,12 @@ ALLOWED = 1e-5
 
 
 def run(model: Path, maps: np.ndarray, threads: int = 1) -> np.ndarray:
-    """Materials [N, 7] of sets of bins [N, S, 7]."""
+    """Materials [N, 7] of what the model's one input takes: sets of bins [N, S, 7], or dense maps [N, 3, 60, 120]."""
     options = onnxruntime.SessionOptions()
     options.intra_op_num_threads = threads
     session = onnxruntime.InferenceSession(str(model), options, providers=["CPUExecutionProvider"])
-    parts = [session.run(["mu"], {"bins": maps[i : i + 64]})[0] for i in range(0, len(maps), 64)]
+    name = session.get_inputs()[0].name
+    parts = [session.run(["mu"], {name: maps[i : i + 64]})[0] for i in range(0, len(maps), 64)]
     return np.concatenate(parts)
 
 
