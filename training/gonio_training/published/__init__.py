@@ -1,0 +1,1 @@
+"""The published training protocol: the table's eight architectures and ours, on rendered spheres. One command a step."""

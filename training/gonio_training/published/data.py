@@ -1,0 +1,56 @@
+"""The published training set as `gonio synth spheres --preset published` writes it, mapped and not copied.
+
+    DIR/{train,validation,test}/maps.npy      [N, 3, 60, 120] float16, linear radiance, not clipped
+                                materials.npy [N, 7] float32
+                                lights.npy    [N, 3] float32, unit vectors to the light in the map's frame
+                                views.npy     [N, 3] float32, unit vectors to the camera
+"""
+
+from functools import lru_cache
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import torch
+
+
+class Spheres(NamedTuple):
+    """Maps and what they were rendered from; of a part of the set, or of a batch."""
+
+    maps: torch.Tensor  # [N, 3, 60, 120]; float16 and not clipped in a part, float32 and clipped at 1 in a batch
+    materials: torch.Tensor  # [N, 7]
+    lights: torch.Tensor  # [N, 3]
+    views: torch.Tensor  # [N, 3]
+
+    def batch(self, rows: torch.Tensor, device: str = "cpu") -> "Spheres":
+        """The rows of a part, radiance clipped at 1 as in a photograph."""
+        maps, materials, lights, views = (part[rows].to(device) for part in self)
+        return Spheres(maps.float().clamp_(0.0, 1.0), materials, lights, views)
+
+
+def load(folder: Path) -> Spheres:
+    """A part of the set. Copy-on-write mapping: PyTorch wants memory that could be written to, and nothing here writes."""
+    part = (torch.from_numpy(np.load(folder / f"{name}.npy", mmap_mode="c")) for name in Spheres._fields)
+    return Spheres(*part)
+
+
+@lru_cache(maxsize=1)
+def order(count: int, seed: int, epoch: int) -> torch.Tensor:
+    """The order of an epoch's maps: of seed and epoch alone, so that a resumed run goes on where it was."""
+    return torch.randperm(count, generator=torch.Generator().manual_seed(seed * 1_000_003 + epoch))
+
+
+def spread(count: int, wanted: int) -> torch.Tensor:
+    """`wanted` rows of `count`, evenly spaced; all where there are no more."""
+    return torch.linspace(0, count - 1, min(count, wanted), dtype=torch.float64).round().long()
+
+
+def statistics(part: Spheres, wanted: int = 16_384) -> tuple[torch.Tensor, torch.Tensor]:
+    """Mean and standard deviation of each channel of clipped radiance, [3] each, over `wanted` evenly spaced maps."""
+    total = torch.zeros(2, 3, dtype=torch.float64)
+    rows = spread(len(part.maps), wanted)
+    for some in rows.split(256):
+        maps = part.batch(some).maps.double()
+        total += torch.stack([maps.mean((0, 2, 3)), maps.square().mean((0, 2, 3))]) * len(some) / len(rows)
+    mean = total[0]
+    return mean.float(), (total[1] - mean.square()).sqrt().float()
