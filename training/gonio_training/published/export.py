@@ -1,0 +1,67 @@
+"""Writes a trained row as ONNX behind the model contract and checks that ONNX Runtime gives what PyTorch gives.
+
+    python -m gonio_training.published.export --data SET --checkpoint out/ours.pt
+"""
+
+import argparse
+import json
+from pathlib import Path
+
+import numpy as np
+import torch
+from torch import nn
+
+from ..onnx_file import graph, write
+from ..parity import run
+from . import checkpoint
+from .data import Spheres, load, spread
+from .train import predict
+
+VERSION = "1"
+ALLOWED = 1e-4
+
+
+def facts(state: dict) -> dict[str, str]:
+    """The file's metadata."""
+    training = {
+        "data": "gonio synth spheres --preset published",
+        "architecture": state["arch"],
+        "samples": state["step"] * state["recipe"]["batch"],
+        "seed": state["seed"],
+        "metrics": {"validation_loss": state["curve"][-1]["validation_loss"]},
+    }
+    return {"gonio.kind": "sphere", "gonio.version": VERSION, "gonio.training": json.dumps(training)}
+
+
+def difference(network: nn.Module, model: Path, maps: torch.Tensor, threads: int) -> float:
+    """Largest difference of a material's components between PyTorch and ONNX Runtime; an empty map is among the maps."""
+    maps = torch.cat([maps, torch.zeros_like(maps[:1])])
+    there = run(model, maps.numpy(), threads)
+    return float(np.abs(there - predict(network, maps).numpy()).max())
+
+
+def export(state: dict, part: Spheres, out: Path, count: int, threads: int) -> float:
+    """Writes a checkpoint's network; the largest difference over `count` evenly spaced maps of a part."""
+    network = checkpoint.network_of(state)
+    write(graph(network, torch.full((2, 3, 60, 120), 0.5), "map", {0: "N"}), facts(state), out)
+    return difference(network, out, part.batch(spread(len(part.maps), count)).maps, threads)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--data", type=Path, required=True)
+    parser.add_argument("--checkpoint", type=Path, required=True)
+    parser.add_argument("--out", type=Path, help="the model file; else beside the checkpoint")
+    parser.add_argument("--count", type=int, default=127, help="maps to compare")
+    parser.add_argument("--threads", type=int, default=2)
+    args = parser.parse_args()
+
+    torch.set_num_threads(args.threads)
+    out = args.out or args.checkpoint.with_suffix(".onnx")
+    apart = export(checkpoint.read(args.checkpoint), load(args.data / "test"), out, args.count, args.threads)
+    print(f"{out}: {out.stat().st_size} bytes; PyTorch and ONNX Runtime differ by {apart:.1e}, {ALLOWED:.0e} allowed")
+    raise SystemExit(0 if apart <= ALLOWED else 1)
+
+
+if __name__ == "__main__":
+    main()
