@@ -28,10 +28,11 @@ class Spheres(NamedTuple):
         return Spheres(maps.float().clamp_(0.0, 1.0), materials, lights, views)
 
 
-def load(folder: Path) -> Spheres:
-    """A part of the set. Copy-on-write mapping: PyTorch wants memory that could be written to, and nothing here writes."""
+def load(folder: Path, first: int | None = None) -> Spheres:
+    """A part of the set, or its first maps: materials come in random order, 24 maps of each in a row. Copy-on-write mapping:
+    PyTorch wants memory that could be written to, and nothing here writes."""
     part = (torch.from_numpy(np.load(folder / f"{name}.npy", mmap_mode="c")) for name in Spheres._fields)
-    return Spheres(*part)
+    return Spheres(*(values[:first] for values in part))
 
 
 @lru_cache(maxsize=1)
@@ -40,15 +41,10 @@ def order(count: int, seed: int, epoch: int) -> torch.Tensor:
     return torch.randperm(count, generator=torch.Generator().manual_seed(seed * 1_000_003 + epoch))
 
 
-def spread(count: int, wanted: int) -> torch.Tensor:
-    """`wanted` rows of `count`, evenly spaced; all where there are no more."""
-    return torch.linspace(0, count - 1, min(count, wanted), dtype=torch.float64).round().long()
-
-
-def statistics(part: Spheres, wanted: int = 16_384) -> tuple[torch.Tensor, torch.Tensor]:
-    """Mean and standard deviation of each channel of clipped radiance, [3] each, over `wanted` evenly spaced maps."""
+def statistics(part: Spheres, first: int = 16_384) -> tuple[torch.Tensor, torch.Tensor]:
+    """Mean and standard deviation of each channel of clipped radiance, [3] each, over the first maps of a part."""
     total = torch.zeros(2, 3, dtype=torch.float64)
-    rows = spread(len(part.maps), wanted)
+    rows = torch.arange(min(first, len(part.maps)))
     for some in rows.split(256):
         maps = part.batch(some).maps.double()
         total += torch.stack([maps.mean((0, 2, 3)), maps.square().mean((0, 2, 3))]) * len(some) / len(rows)

@@ -14,7 +14,7 @@ import torch
 from torch import nn
 
 from . import checkpoint, metrics
-from .data import Spheres, load, spread
+from .data import Spheres, load
 from .rerender import rerender
 from .sparse import keep
 from .train import predict
@@ -40,17 +40,17 @@ def main() -> None:
     parser.add_argument("--data", type=Path, required=True)
     parser.add_argument("--camera", default="perspective", help="the set's camera: perspective or orthographic")
     parser.add_argument("--checkpoint", type=Path, required=True)
-    parser.add_argument("--count", type=int, default=30_000, help="test maps, evenly spaced")
+    parser.add_argument("--count", type=int, help="measure with the first maps of the test set; else with all")
     parser.add_argument("--seed", type=int, default=1, help="of the bins that sparse maps keep")
     parser.add_argument("--threads", type=int, default=2)
-    parser.add_argument("--device", default="cpu", help="cpu or cuda")
+    parser.add_argument("--device", default="cpu", choices=["cpu", "cuda"])
     args = parser.parse_args()
 
     torch.set_num_threads(args.threads)
     state = checkpoint.read(args.checkpoint)
     network = checkpoint.network_of(state).to(args.device)
-    test = load(args.data / "test")
-    rows = spread(len(test.maps), args.count)
+    test = load(args.data / "test", args.count)
+    rows = torch.arange(len(test.maps))
     figures = {}
     for bins in FILLED:
         all_maps = np.concatenate([measure(network, test.batch(some), bins, args) for some in rows.split(CHUNK)])

@@ -14,7 +14,7 @@ from torch import nn
 from ..onnx_file import graph, write
 from ..parity import run
 from . import checkpoint
-from .data import Spheres, load, spread
+from .data import load
 from .train import predict
 
 VERSION = "1"
@@ -40,25 +40,22 @@ def difference(network: nn.Module, model: Path, maps: torch.Tensor, threads: int
     return float(np.abs(there - predict(network, maps).numpy()).max())
 
 
-def export(state: dict, part: Spheres, out: Path, count: int, threads: int) -> float:
-    """Writes a checkpoint's network; the largest difference over `count` evenly spaced maps of a part."""
-    network = checkpoint.network_of(state)
-    write(graph(network, torch.full((2, 3, 60, 120), 0.5), "map", {0: "N"}), facts(state), out)
-    return difference(network, out, part.batch(spread(len(part.maps), count)).maps, threads)
-
-
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--data", type=Path, required=True)
     parser.add_argument("--checkpoint", type=Path, required=True)
     parser.add_argument("--out", type=Path, help="the model file; else beside the checkpoint")
-    parser.add_argument("--count", type=int, default=127, help="maps to compare")
+    parser.add_argument("--count", type=int, default=127, help="test maps to compare")
     parser.add_argument("--threads", type=int, default=2)
     args = parser.parse_args()
 
     torch.set_num_threads(args.threads)
     out = args.out or args.checkpoint.with_suffix(".onnx")
-    apart = export(checkpoint.read(args.checkpoint), load(args.data / "test"), out, args.count, args.threads)
+    state = checkpoint.read(args.checkpoint)
+    network = checkpoint.network_of(state)
+    write(graph(network, torch.full((2, 3, 60, 120), 0.5), "map", {0: "N"}), facts(state), out)
+    maps = load(args.data / "test").batch(torch.arange(args.count)).maps
+    apart = difference(network, out, maps, args.threads)
     print(f"{out}: {out.stat().st_size} bytes; PyTorch and ONNX Runtime differ by {apart:.1e}, {ALLOWED:.0e} allowed")
     raise SystemExit(0 if apart <= ALLOWED else 1)
 

@@ -15,7 +15,7 @@ from ..train import published_loss
 from . import checkpoint
 from .architectures import ARCHITECTURES
 from .augment import augment
-from .data import Spheres, load, order, spread, statistics
+from .data import Spheres, load, order, statistics
 from .recipe import steps_of
 
 
@@ -25,16 +25,15 @@ def predict(network: nn.Module, maps: torch.Tensor) -> torch.Tensor:
     return network(maps.contiguous(memory_format=torch.channels_last))
 
 
-def validate(network: nn.Module, part: Spheres, wanted: int, device: str) -> float:
-    """Mean published loss over evenly spaced maps of a part."""
+def validate(network: nn.Module, part: Spheres, device: str) -> float:
+    """Mean published loss over a part."""
     network.eval()
     total = 0.0
-    rows = spread(len(part.maps), wanted)
-    for some in rows.split(256):
+    for some in torch.arange(len(part.maps)).split(256):
         batch = part.batch(some, device)
         total += published_loss(predict(network, batch.maps), batch.materials).sum().item()
     network.train()
-    return total / len(rows)
+    return total / len(part.maps)
 
 
 class Run:
@@ -42,7 +41,8 @@ class Run:
 
     def __init__(self, args: argparse.Namespace) -> None:
         self.args = args
-        self.training, self.validation = load(args.data / "train"), load(args.data / "validation")
+        self.training = load(args.data / "train", args.maps)
+        self.validation = load(args.data / "validation", args.validation)
         architecture = ARCHITECTURES[args.arch]
         self.recipe = architecture.recipe
         self.steps, self.per_epoch = steps_of(self.recipe, len(self.training.maps), args.budget)
@@ -112,7 +112,7 @@ class Run:
             "seconds": round(self.seconds, 1),
         }
         if ends:
-            loss = validate(self.network, self.validation, self.args.validation, self.args.device)
+            loss = validate(self.network, self.validation, self.args.device)
             row["validation_loss"] = round(loss, 5)
         self.curve.append(row)
         hours = self.seconds / self.step * (self.steps - self.step) / 3600
@@ -141,12 +141,13 @@ def arguments() -> argparse.ArgumentParser:
     parser.add_argument("--arch", choices=ARCHITECTURES, required=True)
     parser.add_argument("--out", type=Path, required=True, help="the checkpoint, .pt; the curve goes beside it, .csv")
     parser.add_argument("--budget", type=int, help="maps to show; else the recipe's epochs")
-    parser.add_argument("--validation", type=int, default=115_200, help="validation maps, evenly spaced")
+    parser.add_argument("--maps", type=int, help="train with the first maps of the set; else with all")
+    parser.add_argument("--validation", type=int, help="validate with the first maps of the set; else with all")
     parser.add_argument("--log", type=int, default=100, help="steps between rows of the curve")
     parser.add_argument("--save-every-s", type=float, default=60.0, help="seconds between checkpoints")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--threads", type=int, default=2)
-    parser.add_argument("--device", default="cpu", help="cpu or cuda")
+    parser.add_argument("--device", default="cpu", choices=["cpu", "cuda"])
     parser.add_argument("--bf16", action="store_true", help="bfloat16 products; worth it on CPUs that have them, and on GPUs")
     return parser
 
