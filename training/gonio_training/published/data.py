@@ -13,6 +13,8 @@ from typing import NamedTuple
 import numpy as np
 import torch
 
+TRAINING_MAPS = 460_800
+
 
 class Spheres(NamedTuple):
     """Maps and what they were rendered from; of a part of the set, or of a batch."""

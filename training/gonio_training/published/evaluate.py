@@ -14,7 +14,7 @@ import torch
 from torch import nn
 
 from . import checkpoint, metrics
-from .data import Spheres, load
+from .data import TRAINING_MAPS, Spheres, load
 from .rerender import rerender
 from .sparse import keep
 from .train import predict
@@ -56,12 +56,13 @@ def main() -> None:
         all_maps = np.concatenate([measure(network, test.batch(some), bins, args) for some in rows.split(CHUNK)])
         figures[bins or "all"] = {n: round(float(v), 5) for n, v in zip(NAMES, np.nanmean(all_maps, 0), strict=True)}
         print(f"{state['arch']}, {bins or 'all'} bins: {figures[bins or 'all']}", flush=True)
+    shown = state["step"] * state["recipe"]["batch"]
     told = {
         "arch": state["arch"],
         "parameters": sum(p.numel() for p in network.parameters()),
-        "maps_shown": state["step"] * state["recipe"]["batch"],
+        "maps_shown": shown,
         "epochs": round(state["step"] / state["per_epoch"], 2),
-        "to_the_end": state["step"] >= state["recipe"]["epochs"] * state["per_epoch"],
+        "to_the_end": shown >= state["recipe"]["epochs"] * TRAINING_MAPS,
         "training_minutes": round(state["seconds"] / 60, 1),
         "seed": state["seed"],
         "test_maps": len(rows),
