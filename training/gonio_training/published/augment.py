@@ -63,35 +63,29 @@ def mask_out(maps: torch.Tensor, dice: torch.Generator) -> torch.Tensor:
     return maps * (uniform(0.0, 1.0, (count, 1, rows, columns), dice) < share)
 
 
-def flip(spheres: Spheres, some: torch.Tensor, dimension: int, axis: int) -> Spheres:
-    """Flips some maps along a dimension and mirrors their lights and views along the axis that belongs to it."""
-    maps, materials, lights, views = spheres
-    maps = maps.index_copy(0, some, maps[some].flip(dimension))
-    mirror = torch.ones(3, device=maps.device)
-    mirror[axis] = -1.0
-    lights = lights.index_copy(0, some, lights[some] * mirror)
-    views = views.index_copy(0, some, views[some] * mirror)
-    return Spheres(maps, materials, lights, views)
+def flip(spheres: Spheres, some: torch.Tensor, dimension: int, axis: int) -> None:
+    """Flips some maps, in place, along a dimension and mirrors their lights and views along the axis that belongs to it."""
+    spheres.maps[some] = spheres.maps[some].flip(dimension)
+    spheres.lights[some, axis] *= -1.0
+    spheres.views[some, axis] *= -1.0
 
 
-def flip_rows(spheres: Spheres, some: torch.Tensor) -> Spheres:
+def flip_rows(spheres: Spheres, some: torch.Tensor) -> None:
     """Top to bottom: theta becomes pi - theta, z becomes -z."""
-    return flip(spheres, some, 2, 2)
+    flip(spheres, some, 2, 2)
 
 
-def flip_columns(spheres: Spheres, some: torch.Tensor) -> Spheres:
+def flip_columns(spheres: Spheres, some: torch.Tensor) -> None:
     """Left to right: phi becomes 2 pi - phi, y becomes -y."""
-    return flip(spheres, some, 3, 1)
+    flip(spheres, some, 3, 1)
 
 
-def augment(spheres: Spheres, seed: int, step: int) -> Spheres:
-    """A batch as the network sees it: of seed and step alone."""
+def augment(spheres: Spheres, seed: int, step: int) -> None:
+    """Makes a batch, in place, what the network sees: of seed and step alone."""
     maps = spheres.maps
     dice = torch.Generator(maps.device).manual_seed(seed * 1_000_003 + step)
     for change, chance in ((localised_noise, LOCAL), (salt_and_pepper, SALT), (mask_out, MASK)):
         some = chosen(len(maps), chance, dice)
-        maps = maps.index_copy(0, some, change(maps[some], dice))
-    spheres = spheres._replace(maps=maps)
+        maps[some] = change(maps[some], dice)
     for turn in (flip_rows, flip_columns):
-        spheres = turn(spheres, chosen(len(maps), FLIP, dice))
-    return spheres
+        turn(spheres, chosen(len(maps), FLIP, dice))

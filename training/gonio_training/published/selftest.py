@@ -43,27 +43,35 @@ def write(spheres: Spheres, folder: Path) -> None:
             np.save(folder / part / f"{name}.npy", values[rows].numpy().astype(kind))
 
 
+def first(spheres: Spheres, count: int) -> Spheres:
+    """A copy of the first maps."""
+    return Spheres(*(part[:count].clone() for part in spheres))
+
+
 def flips_are_what_mirrored_light_and_view_give(spheres: Spheres, gonio: str, camera: str) -> None:
     """Rows, columns, and both."""
-    some = Spheres(*(part[:64] for part in spheres))
     every = torch.arange(64)
-    for flipped in (flip_rows(some, every), flip_columns(some, every), flip_rows(flip_columns(some, every), every)):
+    for turns in ((flip_rows,), (flip_columns,), (flip_rows, flip_columns)):
+        flipped = first(spheres, 64)
+        for turn in turns:
+            turn(flipped, every)
         again = rerender(gonio, camera, *(part.numpy() for part in flipped[1:]))
         apart = np.abs(again - flipped.maps.numpy())
         # A sharp highlight's flank moves with the last bit of a direction.
         assert np.quantile(apart, 0.9999) < 1e-4 and apart.max() < 1e-2, apart.max()
-        assert not torch.equal(flipped.maps, some.maps)
+        assert not torch.equal(flipped.maps, spheres.maps[:64])
 
 
 def augmenting_depends_on_seed_and_step_alone(spheres: Spheres) -> None:
     """And leaves materials and the range of radiance as they are."""
-    batch = Spheres(*(part[:256] for part in spheres))
-    once, again, other = augment(batch, 1, 7), augment(batch, 1, 7), augment(batch, 1, 8)
+    before, once, again, other = (first(spheres, 256) for _ in range(4))
+    for batch, step in ((once, 7), (again, 7), (other, 8)):
+        augment(batch, 1, step)
     assert all(torch.equal(a, b) for a, b in zip(once, again))
     assert not torch.equal(once.maps, other.maps)
-    assert torch.equal(once.materials, batch.materials)
+    assert torch.equal(once.materials, before.materials)
     assert once.maps.min() >= 0.0 and once.maps.max() <= 1.0
-    filled = [(maps > 0).any(1).sum().item() for maps in (batch.maps, once.maps)]
+    filled = [(maps > 0).any(1).sum().item() for maps in (before.maps, once.maps)]
     assert 0.4 < filled[1] / filled[0] < 0.85, filled
 
 

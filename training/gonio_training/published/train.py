@@ -86,7 +86,8 @@ class Run:
         """One step; its loss."""
         epoch, place = divmod(self.step, self.per_epoch)
         rows = order(len(self.training.maps), self.args.seed, epoch)[place * self.recipe.batch :][: self.recipe.batch]
-        batch = augment(self.training.batch(rows, self.args.device), self.args.seed, self.step)
+        batch = self.training.batch(rows, self.args.device)
+        augment(batch, self.args.seed, self.step)
         for group in self.optimiser.param_groups:
             group["lr"] = self.recipe.rate_at(self.step, self.steps, self.per_epoch)
         maps = batch.maps.contiguous(memory_format=torch.channels_last)
