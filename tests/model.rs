@@ -266,7 +266,7 @@ fn keys_tell_models_and_engines_apart() {
 
 #[test]
 fn a_model_says_how_sure_it_is_and_the_fit_starts_there() {
-    let map = SparseMap { bins: vec![(9, BinSum::one([0.1; 3], false)), (700, BinSum::one([0.2; 3], false))] };
+    let map = SparseMap { bins: (0..8).map(|i| (9 + 300 * i, BinSum::one([0.15; 3], false))).collect() };
     let estimate = |estimator: &dyn Estimator, light: Option<LocalLight>| {
         let mut out = [Estimate::default()];
         let lights = light.map(|light| [light]);

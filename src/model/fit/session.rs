@@ -5,7 +5,7 @@ use std::f32::consts::PI;
 use glam::Vec3;
 
 use super::solve::{Prior, Solution, mean, solve};
-use super::sums::Sums;
+use super::sums::{Channel, Weights};
 use super::tables::{DIRECTIONS, LEVELS, Levels, TABLES};
 use crate::model::Estimate;
 use crate::scene::Material;
@@ -25,9 +25,6 @@ const SOME_KS: f64 = 0.5;
 
 /// Residual, in standard deviations, at which a bin counts for half.
 const FAR: f64 = 1.0;
-
-/// Bins whose variances are multiplied before a logarithm is taken: their product is no larger than 1e200.
-const AT_ONCE: usize = 8;
 
 /// What is solved for in a map: three kd, three ks, one roughness.
 const UNKNOWNS: usize = Material::LEN;
@@ -62,11 +59,12 @@ pub struct FitSession {
     seen: Vec<Seen>,
     /// Radiance of the lobe with ks = 1 in the sun alone, bin by bin.
     lobe: Vec<Levels>,
+    weights: Weights,
 }
 
 impl FitSession {
     /// Bytes that one holds at most.
-    pub const BYTES: u64 = (FRONT_BINS * (size_of::<Seen>() + LEVELS * size_of::<f32>())) as u64;
+    pub const BYTES: u64 = (FRONT_BINS * (size_of::<Seen>() + size_of::<Levels>() + size_of::<Levels<f64>>())) as u64;
 
     /// The material of a map in this light. `guess` is what is thought of it beforehand, and how surely.
     pub fn fit(&mut self, map: &SparseMap, light: &LocalLight, guess: &Estimate) -> Estimate {
@@ -99,36 +97,24 @@ impl FitSession {
     }
 
     /// The best kd and ks of each roughness, where the noise has this variance and `shine` is about its mean ks.
-    fn solve_all(&self, light: &LocalLight, prior: &Prior, noise: f64, shine: &Levels<f64>) -> [Solution; LEVELS] {
-        let sums = self.sum(light, noise, shine);
-        let white = white(light);
-        std::array::from_fn(|level| solve(level, &sums, prior, white))
-    }
-
-    /// All roughnesses go through a bin together, which is what makes it quick.
-    fn sum(&self, light: &LocalLight, noise: f64, shine: &Levels<f64>) -> Sums {
-        let mut sums = Sums::default();
+    fn solve_all(&mut self, light: &LocalLight, prior: &Prior, noise: f64, shine: &Levels<f64>) -> [Solution; LEVELS] {
         let blurred = shine.map(|ks| WITHIN_BIN * ks / noise.sqrt());
         let (sun, sky) = (light.sun.element_sum() / 3.0, light.sky.element_sum() / 3.0);
-        for (bins, lobes) in self.seen.chunks(AT_ONCE).zip(self.lobe.chunks(AT_ONCE)) {
-            let mut product = [1.0; LEVELS];
-            for (bin, lobe) in bins.iter().zip(lobes) {
-                let (sheen, precision) = (&TABLES.sky[bin.row], bin.weight / noise);
-                let mut weight = [0.0; LEVELS];
-                for level in 0..LEVELS {
-                    let blur = blurred[level] * f64::from(sun * lobe[level] + sky * sheen[level]);
-                    let variance = 1.0 + blur * blur;
-                    product[level] *= variance;
-                    weight[level] = precision / variance;
-                    sums.w[level] += weight[level];
-                }
-                for (c, sums) in sums.channels.iter_mut().enumerate() {
-                    sums.add(&weight, bin.rgb[c], |level| light.sun[c] * lobe[level] + light.sky[c] * sheen[level]);
-                }
-            }
-            (0..LEVELS).for_each(|level| sums.spread[level] += product[level].ln());
-        }
-        sums
+        let bins = self.seen.iter().zip(&self.lobe);
+        self.weights.set(bins.clone().map(|(bin, lobe)| {
+            let sheen = &TABLES.sky[bin.row];
+            let blur = |i: usize| blurred[i] * f64::from(sun * lobe[i] + sky * sheen[i]);
+            (bin.weight / noise, std::array::from_fn(blur))
+        }));
+        let bins = bins.zip(&self.weights.bins);
+        let channels = [0, 1, 2].map(|c| {
+            Channel::of(bins.clone().map(|((bin, lobe), weight)| {
+                let sheen = &TABLES.sky[bin.row];
+                (weight, bin.rgb[c], move |i: usize| light.sun[c] * lobe[i] + light.sky[c] * sheen[i])
+            }))
+        });
+        let white = white(light);
+        std::array::from_fn(|level| solve(level, &self.weights, &channels, prior, white))
     }
 
     /// Gives less weight to bins that the likeliest solution does not explain, and says by how much the noise is to be taken

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::sums::Sums;
+use super::sums::{Channel, Weights};
 use super::tables::{LEVELS, Levels, TABLES};
 use crate::model::Estimate;
 use crate::scene::Material;
@@ -55,10 +55,11 @@ pub struct Solution {
 }
 
 /// kd and ks of one roughness, channel by channel, in the light that a white Lambertian has radiance `white` in.
-pub fn solve(level: usize, sums: &Sums, prior: &Prior, white: Vec3) -> Solution {
-    let mut solution = Solution { evidence: prior.roughness[level] - 1.5 * sums.spread[level], ..Solution::default() };
-    let (w, mut dets) = (sums.w[level], 1.0);
-    for (c, sums) in sums.channels.iter().enumerate() {
+pub fn solve(level: usize, weights: &Weights, channels: &[Channel; 3], prior: &Prior, white: Vec3) -> Solution {
+    let mut solution =
+        Solution { evidence: prior.roughness[level] - 1.5 * weights.spread[level], ..Solution::default() };
+    let (w, mut dets) = (weights.sum[level], 1.0);
+    for (c, sums) in channels.iter().enumerate() {
         let (a, wb, wbb, wbl) = (f64::from(white[c]), sums.wb[level], sums.wbb[level], sums.wbl[level]);
         let (before, sure) = ([prior.mean[c], prior.mean[3 + c]], [prior.precision[c], prior.precision[3 + c]]);
         let right = [a * sums.wl[level] + sure[0] * before[0], wbl + sure[1] * before[1]];
@@ -86,10 +87,12 @@ pub fn mean(solutions: &[Solution; LEVELS]) -> Estimate {
     let (mut sum, mut squares, mut all) = ([0f64; Material::LEN], [0f64; Material::LEN], 0.0);
     for (s, r) in solutions.iter().zip(TABLES.r) {
         let weight = (s.evidence - most).exp();
-        let values = s.kd.iter().chain(&s.ks).copied().chain([f64::from(r)]);
-        for (c, (value, variance)) in values.zip(s.variance.into_iter().chain([STEP])).enumerate() {
-            sum[c] += weight * value;
-            squares[c] += weight * (value * value + variance);
+        let ([kr, kg, kb], [sr, sg, sb], r) = (s.kd, s.ks, f64::from(r));
+        let values = [kr, kg, kb, sr, sg, sb, r];
+        for c in 0..Material::LEN {
+            let variance = s.variance.get(c).copied().unwrap_or(STEP);
+            sum[c] += weight * values[c];
+            squares[c] += weight * (values[c] * values[c] + variance);
         }
         all += weight;
     }

@@ -1,20 +1,64 @@
-//! What least squares needs to know of a map's bins.
+//! What least squares needs to know of a map's bins: sums over them, for every roughness at once, which is what makes the
+//! fit quick.
 
-use super::tables::Levels;
+use super::tables::{LEVELS, Levels};
 
-/// Sums over the bins for each roughness, weighted by what a bin counts for and how precise it is there.
-#[derive(Default)]
-pub struct Sums {
-    /// Of nothing.
-    pub w: Levels<f64>,
+/// Bins whose variances are multiplied before a logarithm is taken: their product is no larger than 1e200.
+const AT_ONCE: usize = 8;
+
+/// Roughnesses whose sums stay in registers while the bins go by.
+const TOGETHER: usize = 4;
+const _: () = assert!(LEVELS.is_multiple_of(TOGETHER));
+
+const ZERO: Levels<f64> = [0.0; LEVELS];
+
+/// What bins count for, for each roughness.
+pub struct Weights {
+    /// Each bin's: what it counts for over its variance.
+    pub bins: Vec<Levels<f64>>,
+    /// Their sum.
+    pub sum: Levels<f64>,
     /// Logarithm of the product of the bins' variances, over that of their noise alone.
     pub spread: Levels<f64>,
-    /// Channel by channel.
-    pub channels: [Channel; 3],
 }
 
-/// Sums of the radiance l, of its square, of the lobe's radiance b, of its square, and of b l.
-#[derive(Default)]
+impl Default for Weights {
+    fn default() -> Self {
+        Weights { bins: Vec::new(), sum: ZERO, spread: ZERO }
+    }
+}
+
+impl Weights {
+    /// Works them out anew, for bins that count for `weight` over the noise's variance and whose deviation, over that of the
+    /// noise, is that of the noise and `blur`.
+    pub fn set(&mut self, bins: impl Iterator<Item = (f64, Levels<f64>)>) {
+        let Weights { bins: all, sum, spread } = self;
+        all.clear();
+        (*sum, *spread) = (ZERO, ZERO);
+        let mut product = [1.0; LEVELS];
+        let mut log = |product: &mut Levels<f64>| {
+            (0..LEVELS).for_each(|i| spread[i] += product[i].ln());
+            *product = [1.0; LEVELS];
+        };
+        for (at, (weight, blur)) in bins.enumerate() {
+            let mut weights = ZERO;
+            for i in 0..LEVELS {
+                let variance = 1.0 + blur[i] * blur[i];
+                product[i] *= variance;
+                weights[i] = weight / variance;
+                sum[i] += weights[i];
+            }
+            all.push(weights);
+            if at % AT_ONCE == AT_ONCE - 1 {
+                log(&mut product);
+            }
+        }
+        log(&mut product);
+    }
+}
+
+/// Sums over the bins of one channel, weighted: of the radiance l, of its square, of the lobe's radiance b, of its square,
+/// and of b l.
 pub struct Channel {
     pub wl: Levels<f64>,
     pub wll: Levels<f64>,
@@ -24,16 +68,26 @@ pub struct Channel {
 }
 
 impl Channel {
-    /// Adds a bin of radiance `l`, which the lobe would give `lobe`.
-    pub fn add(&mut self, weight: &Levels<f64>, l: f32, lobe: impl Fn(usize) -> f32) {
-        let l = f64::from(l);
-        for (level, w) in weight.iter().enumerate() {
-            let b = f64::from(lobe(level));
-            self.wl[level] += w * l;
-            self.wll[level] += w * l * l;
-            self.wb[level] += w * b;
-            self.wbb[level] += w * b * b;
-            self.wbl[level] += w * b * l;
+    /// Adds up bins: the weights, l, and b by roughness.
+    pub fn of<'a, B: Fn(usize) -> f32>(bins: impl Iterator<Item = (&'a Levels<f64>, f32, B)> + Clone) -> Channel {
+        let mut all = [ZERO; 5];
+        for from in (0..LEVELS).step_by(TOGETHER) {
+            let mut some = [[0.0; TOGETHER]; 5];
+            for (weight, l, lobe) in bins.clone() {
+                let l = f64::from(l);
+                for i in 0..TOGETHER {
+                    let (w, b) = (weight[from + i], f64::from(lobe(from + i)));
+                    let (wl, wb) = (w * l, w * b);
+                    some[0][i] += wl;
+                    some[1][i] += wl * l;
+                    some[2][i] += wb;
+                    some[3][i] += wb * b;
+                    some[4][i] += wb * l;
+                }
+            }
+            all.iter_mut().zip(some).for_each(|(all, some)| all[from..][..TOGETHER].copy_from_slice(&some));
         }
+        let [wl, wll, wb, wbb, wbl] = all;
+        Channel { wl, wll, wb, wbb, wbl }
     }
 }

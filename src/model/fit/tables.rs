@@ -9,7 +9,7 @@ use crate::scene::brdf::{lambda, sky_specular};
 use crate::scene::reflectance::{Bin, COLUMNS, FRONT_BINS, direction_of};
 
 /// Roughnesses that are tried, evenly spread over [0, 1].
-pub const LEVELS: usize = 32;
+pub const LEVELS: usize = 24;
 
 /// Rows of a map's front.
 pub const ROWS: usize = FRONT_BINS / COLUMNS;
