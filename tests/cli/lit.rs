@@ -45,7 +45,7 @@ fn a_known_light_gives_the_colours_back() {
     run(&dir, "network", "");
     let ([fit, plain, within], [network, _, said]) = (errors(dir.path(), "fit"), errors(dir.path(), "network"));
     assert!(fit < 0.6 * plain && fit < 0.6 * network, "fit {fit}, mean radiance {plain}, network {network}");
-    assert!((0.55..0.85).contains(&within) && said == 0.0, "{within} of the truths within a deviation; {said}");
+    assert!((0.55..0.85).contains(&within) && said > 0.3, "{within} and {said} of the truths within a deviation");
     // From what the network says it goes as well, and as far.
     run(&dir, "both", &format!("{LIGHT} infer.estimator=network+fit infer.backend=embedded"));
     let [both, ..] = errors(dir.path(), "both");

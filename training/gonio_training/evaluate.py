@@ -43,7 +43,7 @@ def main() -> None:
     print(f"{args.model} says: {json.dumps(told)}")
     answers, truths, counts = [], [], []
     for batch in stream(args.gonio, held_out["held_out_seed"], held_out["held_out"], CHUNK):
-        answers.append(torch.from_numpy(run(args.model, sets(batch))))
+        answers.append(torch.from_numpy(run(args.model, sets(batch), batch.light.numpy())))
         truths.append(batch.material)
         counts.append(batch.count)
     mu, truth, count = torch.cat(answers), torch.cat(truths), torch.cat(counts)

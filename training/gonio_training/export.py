@@ -14,20 +14,21 @@ from .network import BinsNetwork, SetNetwork
 from .onnx_file import graph, write
 from .train import predict, published_loss
 
-VERSION = "2"
+VERSION = "3"
 HELD_OUT = 16_384
 
 
 def load(checkpoint: Path) -> tuple[SetNetwork, dict]:
     """The averaged network of a checkpoint, and the checkpoint."""
     state = torch.load(checkpoint, weights_only=True)
-    network = SetNetwork().eval()
+    network = SetNetwork(state["lit"]).eval()
     network.load_state_dict(state["average"])
     return network, state
 
 
-def training(network: SetNetwork, state: dict, binary: str) -> dict:
-    """What `gonio.training` says: data, samples, seed, and errors on samples of another seed."""
+def training(network: SetNetwork, state: dict, binary: str) -> tuple[dict, list[float]]:
+    """What `gonio.training` says: data, samples, seed, and errors on samples of another seed; and `gonio.deviation`, their
+    root mean square by component."""
     seed = state["seed"] + 2_000_000
     held_out = next(stream(binary, seed, HELD_OUT, HELD_OUT))
     mu = predict(network, held_out)
@@ -41,7 +42,9 @@ def training(network: SetNetwork, state: dict, binary: str) -> dict:
         "r": error[6].item(),
     }
     metrics = {name: round(value, 4) for name, value in metrics.items()}
-    return {"data": "gonio synth bins", "samples": state["samples"], "seed": state["seed"], "metrics": metrics}
+    told = {"data": "gonio synth bins", "samples": state["samples"], "seed": state["seed"], "metrics": metrics}
+    deviation = (mu - held_out.material).square().mean(0).sqrt()
+    return told, [round(value, 4) for value in deviation.tolist()]
 
 
 def main() -> None:
@@ -52,12 +55,16 @@ def main() -> None:
     args = parser.parse_args()
 
     network, state = load(args.checkpoint)
-    model = graph(BinsNetwork(network), torch.full((2, 16, 7), 0.5), "bins", {0: "N", 1: "S"})
-    told = training(network, state, args.gonio)
+    inputs = {"bins": (torch.full((2, 16, 7), 0.5), {0: "N", 1: "S"})}
+    if network.lit:
+        inputs["light"] = (torch.full((2, 3), 0.5), {0: "N"})
+    model = graph(BinsNetwork(network), inputs)
+    told, deviation = training(network, state, args.gonio)
     facts = {
         "gonio.kind": "lobe",
         "gonio.version": VERSION,
         "gonio.bins": str(SLOTS),
+        "gonio.deviation": json.dumps(deviation),
         "gonio.training": json.dumps(told),
     }
     write(model, facts, args.out)

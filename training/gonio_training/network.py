@@ -1,7 +1,8 @@
 """A network over the filled bins of a map: real maps fill 5 to 50 bins of 7,200, so a convolution would mostly see zeros.
 
 Every bin is embedded, what all bins say together is pooled and given back to each, embedded and pooled again
-(two rounds of Zaheer et al., "Deep Sets", 2017), and a head gives the 7-vector. The order of bins does not matter.
+(two rounds of Zaheer et al., "Deep Sets", 2017), and a head gives the 7-vector. The order of bins does not matter. Where the
+light is known, every bin is told where its direction lies to it.
 """
 
 import torch
@@ -11,12 +12,25 @@ from torch import nn
 from .data import SLOTS
 
 
-class SetNetwork(nn.Module):
-    """Directions [N, S, 3], radiance [N, S, 3] and mask [N, S, 1] to materials [N, 7]."""
+def to_light(direction: torch.Tensor, rgb: torch.Tensor, light: torch.Tensor) -> torch.Tensor:
+    """What bins are told of the light [N, 3], a unit vector: the cosines between light, direction, the half vector between
+    them and the normal, and the radiance over the light's cosine, which is kd where all is matt. [N, S, 7]."""
+    light = light.unsqueeze(1)
+    half = direction + light
+    half = half / torch.sqrt((half * half).sum(-1, keepdim=True) + 1e-9)
+    cos = light[:, :, 2:].clamp(min=0.0)
+    flat = torch.zeros_like(direction[:, :, :1]) + cos
+    dot = lambda a, b: (a * b).sum(-1, keepdim=True)
+    return torch.cat([half[:, :, 2:], dot(direction, light), dot(half, light), flat, rgb / (flat + 0.1)], -1)
 
-    def __init__(self, width: int = 96, wide: int = 128, head: int = 1024) -> None:
+
+class SetNetwork(nn.Module):
+    """Directions [N, S, 3], radiance [N, S, 3] and mask [N, S, 1] to materials [N, 7]; with `lit` also the light [N, 3]."""
+
+    def __init__(self, lit: bool = False, width: int = 96, wide: int = 128, head: int = 1024) -> None:
         super().__init__()
-        self.embed = nn.Sequential(nn.Linear(12, 64), nn.ReLU(), nn.Linear(64, width), nn.ReLU())
+        self.lit = lit
+        self.embed = nn.Sequential(nn.Linear(12 + 7 * lit, 64), nn.ReLU(), nn.Linear(64, width), nn.ReLU())
         self.context = nn.Sequential(nn.Linear(2 * width + 1, width), nn.ReLU())
         self.own = nn.Linear(width, wide)
         self.given = nn.Linear(width, wide)
@@ -25,13 +39,17 @@ class SetNetwork(nn.Module):
             nn.Linear(2 * wide + width, head), nn.ReLU(), nn.Linear(head, 512), nn.ReLU(), nn.Linear(512, 7)
         )
 
-    def forward(self, direction: torch.Tensor, rgb: torch.Tensor, mask: torch.Tensor) -> torch.Tensor:
+    def forward(
+        self, direction: torch.Tensor, rgb: torch.Tensor, mask: torch.Tensor, light: torch.Tensor | None = None
+    ) -> torch.Tensor:
         share = mask / mask.sum(1, keepdim=True).clamp(min=1.0)
         # Normalisation: radiance; its square root, which spreads the dark half that linear values crowd together; and by
         # how much a bin differs from the map's mean, which is all that tells a faint highlight from a matt surface.
         mean = (rgb * share).sum(1, keepdim=True)
         contrast = (4.0 * torch.log((rgb + 0.01) / (mean + 0.01))).clamp(-4.0, 4.0)
         features = torch.cat([direction, rgb, torch.sqrt(rgb + 1e-4), contrast], -1)
+        if light is not None:
+            features = torch.cat([features, to_light(direction, rgb, light)], -1)
         bins = self.embed(features)
         # After a ReLU nothing is below 0, so masking with 0 leaves the maximum right.
         count = mask.sum(1) / SLOTS
@@ -43,12 +61,12 @@ class SetNetwork(nn.Module):
 
 class BinsNetwork(nn.Module):
     """The same network behind the model contract: `bins` [N, S, 7], of which each is a direction, rgb and the number of
-    observations, 0 where there is none, to `mu` [N, 7]."""
+    observations, 0 where there is none, and where the network wants it `light` [N, 3], to `mu` [N, 7]."""
 
     def __init__(self, network: SetNetwork) -> None:
         super().__init__()
         self.network = network
 
-    def forward(self, bins: torch.Tensor) -> torch.Tensor:
+    def forward(self, bins: torch.Tensor, light: torch.Tensor | None = None) -> torch.Tensor:
         mask = (bins[:, :, 6:] > 0).float()
-        return self.network(bins[:, :, :3], bins[:, :, 3:6].clamp(0.0, 1.0), mask)
+        return self.network(bins[:, :, :3], bins[:, :, 3:6].clamp(0.0, 1.0), mask, light)

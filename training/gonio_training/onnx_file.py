@@ -12,15 +12,17 @@ OPSET = 18
 IR_VERSION = 9
 
 
-def graph(network: nn.Module, example: torch.Tensor, name: str, free: dict[int, str]) -> onnx.ModelProto:
-    """The graph of a network with one input and the output `mu`. `free` names the dimensions that may vary; an example of 2
-    in each, not 1, else it would be taken as fixed."""
+def graph(network: nn.Module, inputs: dict[str, tuple[torch.Tensor, dict[int, str]]]) -> onnx.ModelProto:
+    """The graph of a network with these inputs, in order, and the output `mu`. An input is an example and the names of the
+    dimensions that may vary; the example has 2 in each, not 1, else it would be taken as fixed."""
+    symbols = {symbol for _, free in inputs.values() for symbol in free.values()}
+    dims = {symbol: torch.export.Dim(symbol) for symbol in symbols}
     program = torch.onnx.export(
         network.eval(),
-        (example,),
-        input_names=[name],
+        tuple(example for example, _ in inputs.values()),
+        input_names=list(inputs),
         output_names=["mu"],
-        dynamic_shapes=({place: torch.export.Dim(symbol) for place, symbol in free.items()},),
+        dynamic_shapes=tuple({place: dims[symbol] for place, symbol in free.items()} for _, free in inputs.values()),
         opset_version=OPSET,
         dynamo=True,
         verbose=False,

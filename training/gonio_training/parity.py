@@ -18,13 +18,15 @@ SEED = 3_000_000
 ALLOWED = 1e-5
 
 
-def run(model: Path, maps: np.ndarray, threads: int = 1) -> np.ndarray:
-    """Materials [N, 7] of what the model's one input takes: sets of bins [N, S, 7], or dense maps [N, 3, 60, 120]."""
+def run(model: Path, maps: np.ndarray, lights: np.ndarray | None = None, threads: int = 1) -> np.ndarray:
+    """Materials [N, 7] of what the model's first input takes: sets of bins [N, S, 7], or dense maps [N, 3, 60, 120]; with the
+    lights [N, 3] where it has a second."""
     options = onnxruntime.SessionOptions()
     options.intra_op_num_threads = threads
     session = onnxruntime.InferenceSession(str(model), options, providers=["CPUExecutionProvider"])
-    name = session.get_inputs()[0].name
-    parts = [session.run(["mu"], {name: maps[i : i + 64]})[0] for i in range(0, len(maps), 64)]
+    inputs = dict(zip([i.name for i in session.get_inputs()], (maps, lights)))
+    batch = lambda i: {name: values[i : i + 64] for name, values in inputs.items()}
+    parts = [session.run(["mu"], batch(i))[0] for i in range(0, len(maps), 64)]
     return np.concatenate(parts)
 
 
@@ -38,8 +40,8 @@ def main() -> None:
 
     network, _ = load(args.checkpoint)
     batch: Batch = next(stream(args.gonio, SEED, args.count, args.count))
-    difference = np.abs(run(args.model, sets(batch)) - predict(network, batch).numpy()).max()
-    empty = run(args.model, np.zeros((1, SLOTS, 7), np.float32))
+    difference = np.abs(run(args.model, sets(batch), batch.light.numpy()) - predict(network, batch).numpy()).max()
+    empty = run(args.model, np.zeros((1, SLOTS, 7), np.float32), np.array([[0, 0, 1]], np.float32))
     sound = bool(np.isfinite(empty).all() and (empty >= 0).all() and (empty <= 1).all())
     print(f"largest difference of {args.count} maps {difference:.1e}, {ALLOWED:.0e} allowed; empty map sound: {sound}")
     raise SystemExit(0 if difference <= ALLOWED and sound else 1)

@@ -26,22 +26,23 @@ def published_loss(mu: torch.Tensor, truth: torch.Tensor) -> torch.Tensor:
     return error[:, :3].sum(1) + (1 - roughness.pow(1 / 3)) * error[:, 3:6].sum(1) + 3 * error[:, 6]
 
 
-def groups(batch: Batch):
-    """Network inputs and truth for the parts of a batch, by number of filled bins."""
+def groups(batch: Batch, lit: bool):
+    """Network inputs, with the light if `lit`, and truth for the parts of a batch, by number of filled bins."""
     for low, high in zip(SIZES, SIZES[1:]):
         part = ((batch.count > low) & (batch.count <= high)).nonzero().squeeze(1)
         if len(part) == 0:
             continue
         slots = int(batch.count[part].max())
         mask = (torch.arange(slots) < batch.count[part].unsqueeze(1)).float().unsqueeze(-1)
-        yield part, (DIRECTION[batch.bins[part, :slots]], batch.rgb[part, :slots], mask), batch.material[part]
+        light = batch.light[part] if lit else None
+        yield part, (DIRECTION[batch.bins[part, :slots]], batch.rgb[part, :slots], mask, light), batch.material[part]
 
 
 @torch.no_grad()
 def predict(network: SetNetwork, batch: Batch) -> torch.Tensor:
     """Materials of a batch, [N, 7]."""
     out = torch.empty_like(batch.material)
-    for part, inputs, _ in groups(batch):
+    for part, inputs, _ in groups(batch, network.lit):
         out[part] = network(*inputs)
     return out
 
@@ -54,13 +55,14 @@ def main() -> None:
     parser.add_argument("--rate", type=float, default=2e-3, help="peak learning rate of the one cosine cycle")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--threads", type=int, default=2)
+    parser.add_argument("--light", action="store_true", help="tell the network where the light is")
     parser.add_argument("--bf16", action="store_true", help="bfloat16 products; worth it on CPUs that have them")
     parser.add_argument("--out", type=Path, default=Path("out/set.pt"))
     args = parser.parse_args()
 
     torch.set_num_threads(args.threads)
     torch.manual_seed(args.seed)
-    network, average = SetNetwork(), SetNetwork()
+    network, average = SetNetwork(args.light), SetNetwork(args.light)
     average.load_state_dict(network.state_dict())
     optimiser = torch.optim.AdamW(network.parameters(), lr=args.rate, weight_decay=1e-4)
     steps, step = math.ceil(args.samples / args.batch), 0
@@ -82,7 +84,7 @@ def main() -> None:
         for group in optimiser.param_groups:
             group["lr"] = args.rate * warm * 0.5 * (1 + math.cos(math.pi * step / steps))
         optimiser.zero_grad(set_to_none=True)
-        for _, inputs, truth in groups(batch):
+        for _, inputs, truth in groups(batch, args.light):
             with torch.autocast("cpu", torch.bfloat16, enabled=args.bf16):
                 mu = network(*inputs)
             (published_loss(mu.float(), truth).sum() / args.batch).backward()
@@ -121,6 +123,7 @@ def main() -> None:
                 "step": step,
                 "samples": step * args.batch,
                 "seed": args.seed,
+                "lit": args.light,
             }
             torch.save(state, args.out.with_suffix(".tmp"))
             args.out.with_suffix(".tmp").replace(args.out)

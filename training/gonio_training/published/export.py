@@ -36,7 +36,7 @@ def facts(state: dict) -> dict[str, str]:
 def difference(network: nn.Module, model: Path, maps: torch.Tensor, threads: int) -> float:
     """Largest difference of a material's components between PyTorch and ONNX Runtime; an empty map is among the maps."""
     maps = torch.cat([maps, torch.zeros_like(maps[:1])])
-    there = run(model, maps.numpy(), threads)
+    there = run(model, maps.numpy(), threads=threads)
     return float(np.abs(there - predict(network, maps).numpy()).max())
 
 
@@ -53,7 +53,7 @@ def main() -> None:
     out = args.out or args.checkpoint.with_suffix(".onnx")
     state = checkpoint.read(args.checkpoint)
     network = checkpoint.network_of(state)
-    write(graph(network, torch.full((2, 3, 60, 120), 0.5), "map", {0: "N"}), facts(state), out)
+    write(graph(network, {"map": (torch.full((2, 3, 60, 120), 0.5), {0: "N"})}), facts(state), out)
     maps = load(args.data / "test").batch(torch.arange(args.count)).maps
     apart = difference(network, out, maps, args.threads)
     print(f"{out}: {out.stat().st_size} bytes; PyTorch and ONNX Runtime differ by {apart:.1e}, {ALLOWED:.0e} allowed")
