@@ -27,13 +27,13 @@ pub enum Eval {
         pipeline: PipelineArgs,
         /// How.
         #[command(flatten)]
-        options: Scene,
+        options: Judging,
     },
 }
 
 /// Options of `eval scene`.
 #[derive(Debug, Args)]
-pub struct Scene {
+pub struct Judging {
     /// The truth, .npy [F,7]
     #[arg(long, value_name = "TRUTH.npy")]
     truth: PathBuf,
@@ -92,7 +92,7 @@ pub fn materials(options: &Materials) -> Result<String> {
 ///
 /// # Errors
 /// No finished run, a truth that cannot be read.
-pub fn scene(pipeline: &Pipeline, options: &Scene) -> Result<String> {
+pub fn scene(pipeline: &Pipeline, options: &Judging) -> Result<String> {
     let judged = judge(pipeline, &options.truth, options.frames)?;
     if options.json {
         let row = |j: &Judged| {

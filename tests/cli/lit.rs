@@ -12,9 +12,12 @@ use crate::ran::Ran;
 const LIGHT: &str = "infer.estimator=fit light.mode=known light.sky=[0.16,0.19,0.24] \
                      light.sun=[-0.45634598,-0.50682354,0.73135370]";
 
+fn sets(sets: &str) -> String {
+    sets.split_whitespace().map(|set| format!(" --set {set}")).collect()
+}
+
 fn run(dir: &TempDir, work: &str, sets: &str) -> Ran {
-    let sets: String = sets.split_whitespace().map(|set| format!(" --set {set}")).collect();
-    let ran = Ran::gonio(dir.path(), &format!("run p.toml --set run.work={work}{sets}"));
+    let ran = Ran::gonio(dir.path(), &format!("run p.toml --set run.work={work}{}", self::sets(sets)));
     ran.ends(0);
     ran
 }
@@ -46,6 +49,17 @@ fn a_known_light_gives_the_colours_back() {
     let ([fit, plain, within], [network, _, said]) = (errors(dir.path(), "fit"), errors(dir.path(), "network"));
     assert!(fit < 0.6 * plain && fit < 0.6 * network, "fit {fit}, mean radiance {plain}, network {network}");
     assert!((0.55..0.85).contains(&within) && said > 0.3, "{within} and {said} of the truths within a deviation");
+    // Under other suns it is nearer to the truth than what needs no fit, and so it is under its own.
+    let eval =
+        format!("eval scene p.toml --truth truth/materials.npy --frames 2 --json --set run.work=fit{}", sets(LIGHT));
+    let judged: Vec<serde_json::Value> = serde_json::from_str(&Ran::gonio(dir.path(), &eval).ends(0).stdout()).unwrap();
+    let [fit, mean, matt] = &judged[..] else { panic!("{judged:?}") };
+    let psnr = |of: &serde_json::Value| {
+        let suns = of["suns"].as_array().unwrap().iter().map(|sun| sun.as_f64().unwrap());
+        (of["same_light"].as_f64().unwrap(), suns.sum::<f64>())
+    };
+    let (fit, mean, matt) = (psnr(fit), psnr(mean), psnr(matt));
+    assert!(fit.0 > matt.0 && matt.0 > mean.0 && fit.1 > matt.1 && matt.1 > mean.1, "{fit:?} {matt:?} {mean:?}");
     // From what the network says it goes as well, and as far.
     run(&dir, "both", &format!("{LIGHT} infer.estimator=network+fit infer.backend=embedded"));
     let [both, ..] = errors(dir.path(), "both");

@@ -117,7 +117,9 @@ fn a_finished_run_can_be_looked_into() {
     gonio("buffers p.toml --frame frame_003.jpg --out b.exr").ends(0);
     gonio("buffers p.toml --frame frame_03.jpg --out b.exr").ends(1).says("did you mean");
     gonio("render p.toml --frame frame_003.jpg --beside --out r.png").ends(0);
-    gonio("eval materials truth/materials.npy work/scene/materials.npy").ends(0).says("training mean");
+    gonio("eval materials truth/materials.npy work/scene/materials.npy").ends(0).says("within one deviation");
+    gonio("eval scene p.toml --truth truth/materials.npy --frames 1").ends(0).says("same sun").says("unknown");
+    gonio("eval scene p.toml --truth work/scene/evidence.npy").ends(1).says("shape");
     gonio("eval materials truth/materials.npy work/scene/evidence.npy").ends(1).says("shape");
     let exported = outputs(&dir.path().join("work/scene"));
     fs::remove_dir_all(dir.path().join("work/scene/export")).unwrap();
