@@ -231,8 +231,9 @@ impl Plan {
         let neighbours = NEIGHBOURS * i.triangles;
         let building = cache::building(i.triangles, (i.mesh / VERTEX).saturating_sub(i.triangles));
         let seconds = i.trial.map(|trial| i.pixels as f64 * trial.seconds_per_pixel);
+        let lighting = i.trial.map_or(0.0, |trial| trial.seconds_per_light);
         let casting = Phase { mapped: i.mesh + bvh, ..plan_cast(&cast, i.base, limit, seconds) };
-        let inferring = plan_infer(&infer, i.base, limit, i.triangles as f64 * i.seconds_per_map);
+        let inferring = plan_infer(&infer, i.base, limit, i.triangles as f64 * (i.seconds_per_map + lighting));
         let phases = vec![
             alone("load", i.mesh, 0, i.mesh as f64 / BYTES_PER_SECOND),
             alone("build", i.mesh + building, 0, bvh as f64 / BYTES_PER_SECOND),
@@ -380,7 +381,7 @@ mod tests {
         base: 50 << 20,
         session: 8 << 20,
         seconds_per_map: 4e-4,
-        trial: Some(Trial { seconds_per_pixel: 2.5e-7, records_per_pixel: 0.125 }),
+        trial: Some(Trial { seconds_per_pixel: 2.5e-7, records_per_pixel: 0.125, seconds_per_light: 0.0 }),
         threads: 2,
     };
 
@@ -401,6 +402,9 @@ mod tests {
         assert_eq!(phase(&few, "cast").seconds.unwrap() * 10.0, phase(&many, "cast").seconds.unwrap());
         assert_eq!(phase(&few, "cast").seconds, Some(12.5));
         assert_eq!(phase(&few, "infer").seconds, Some(50.0));
+        // In a known light every triangle takes rays of its own.
+        let trial = INPUTS.trial.map(|trial| Trial { seconds_per_light: 4e-5, ..trial });
+        assert_eq!(phase(&plan(Inputs { trial, ..INPUTS }, 4096), "infer").seconds, Some(55.0));
     }
 
     #[test]

@@ -8,6 +8,7 @@
 //!
 //! It holds no more than it is given, and begins with no further frame after [`LONGEST`].
 
+use std::hint::black_box;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
@@ -25,6 +26,7 @@ use crate::scene::frame::{Frame, LinearImage, Samples};
 use crate::scene::view::{Tile, View};
 use crate::stages::cast::{Cast, tile_bytes};
 use crate::stages::decode::Decode;
+use crate::stages::light::SceneLight;
 use crate::trace::Bvh;
 use crate::trace::build::{PART, Parts};
 
@@ -37,6 +39,9 @@ const WINDOWS: u32 = 3;
 /// Pixels of a window each way, at least; it is made of whole tiles.
 const WINDOW: u32 = 96;
 
+/// Triangles of a trial whose light is found.
+const LIT: usize = 256;
+
 /// No further frame is tried after this.
 const LONGEST: Duration = Duration::from_millis(1000);
 
@@ -47,6 +52,8 @@ pub struct Trial {
     pub seconds_per_pixel: f64,
     /// Records that a frame becomes, for each of its pixels.
     pub records_per_pixel: f64,
+    /// What one thread takes to find the light that reaches a triangle, seconds; 0 where nobody asks for it.
+    pub seconds_per_light: f64,
 }
 
 /// What is added up, on each side of a division.
@@ -55,6 +62,9 @@ struct Cost {
     seconds: f64,
     pixels: f64,
     records: f64,
+    /// Of finding the light of triangles.
+    lighting: f64,
+    lit: f64,
 }
 
 impl Cost {
@@ -63,6 +73,8 @@ impl Cost {
             seconds: self.seconds + other.seconds,
             pixels: self.pixels + other.pixels,
             records: self.records + other.records,
+            lighting: self.lighting + other.lighting,
+            lit: self.lit + other.lit,
         }
     }
 }
@@ -73,16 +85,18 @@ fn sum_up(reading: Cost, casting: Cost) -> Option<Trial> {
     (casting.pixels > 0.0).then(|| Trial {
         seconds_per_pixel: per_pixel(reading) + per_pixel(casting),
         records_per_pixel: casting.records / casting.pixels,
+        seconds_per_light: casting.lighting / casting.lit.max(1.0),
     })
 }
 
 impl Trial {
     /// Tries frames of a scene, in a process that held `base` bytes before it read it. Those that cannot be read are not
-    /// tried; those that have not been made yet are not read, and cast as if they were grey.
+    /// tried; those that have not been made yet are not read, and cast as if they were grey. `lit` says whether the light of
+    /// the triangles will be asked for.
     ///
     /// # Errors
     /// None that a bad frame causes; those of casting.
-    pub fn of(pipeline: &Pipeline, loaded: &Loaded, base: u64, fit: &Readable) -> Result<Option<Trial>> {
+    pub fn of(pipeline: &Pipeline, loaded: &Loaded, base: u64, fit: &Readable, lit: bool) -> Result<Option<Trial>> {
         let decode = loaded.decode(pipeline, "");
         let made = pipeline.scene.images.exists();
         let threads = rayon::current_num_threads() as u64;
@@ -106,9 +120,9 @@ impl Trial {
             let Some(image) = image else { continue };
             if made {
                 let seconds = started.elapsed().as_secs_f64();
-                reading = reading.and(Cost { seconds, pixels: image.len() as f64, records: 0.0 });
+                reading = reading.and(Cost { seconds, pixels: image.len() as f64, ..Cost::default() });
             }
-            casting = casting.and(cast(pipeline, loaded, whole.as_ref(), frame, &image)?);
+            casting = casting.and(cast(pipeline, loaded, whole.as_ref(), frame, &image, lit)?);
         }
         Ok(sum_up(reading, casting))
     }
@@ -137,8 +151,15 @@ fn grey(decode: &Decode<'_>, frame: &Frame) -> LinearImage {
     LinearImage { width, height, samples, table: decode.curve.eight.clone(), mask: None }
 }
 
-/// Casts windows of a frame.
-fn cast(pipeline: &Pipeline, loaded: &Loaded, whole: Option<&Bvh>, frame: &Frame, image: &LinearImage) -> Result<Cost> {
+/// Casts windows of a frame, and finds the light of some triangles if `lit`.
+fn cast(
+    pipeline: &Pipeline,
+    loaded: &Loaded,
+    whole: Option<&Bvh>,
+    frame: &Frame,
+    image: &LinearImage,
+    lit: bool,
+) -> Result<Cost> {
     let downscale = pipeline.decode.downscale;
     let view = View::new(frame.camera.down_scaled(downscale), &frame.pose, &loaded.mesh);
     let tile = pipeline.cast.tile;
@@ -159,9 +180,22 @@ fn cast(pipeline: &Pipeline, loaded: &Loaded, whole: Option<&Bvh>, frame: &Frame
         let started = Instant::now();
         let (rows, _) = cast.rows(&view, window.split(tile), image, &mut scratch, |_| Ok(()))?;
         let pixels = f64::from(window.width) * f64::from(window.height);
-        Ok(Cost { seconds: started.elapsed().as_secs_f64(), pixels, records: rows.records.len() as f64 })
+        let seconds = started.elapsed().as_secs_f64();
+        Ok(Cost { seconds, pixels, records: rows.records.len() as f64, ..Cost::default() })
     };
-    windows.par_iter().map(one).try_reduce(Cost::default, |a, b| Ok(a.and(b)))
+    let casting = windows.par_iter().map(one).try_reduce(Cost::default, |a, b| Ok(a.and(b)))?;
+    Ok(if lit { casting.and(light(pipeline, mesh, bvh)) } else { casting })
+}
+
+/// Finds the light of some triangles.
+fn light(pipeline: &Pipeline, mesh: &Mesh, bvh: &Bvh) -> Cost {
+    let light = SceneLight::new(&pipeline.light, mesh, bvh, pipeline.export.up);
+    let some = LIT.min(mesh.len());
+    let started = Instant::now();
+    (0..some).for_each(|i| {
+        black_box(light.local((i * mesh.len() / some) as TriangleId));
+    });
+    Cost { lighting: started.elapsed().as_secs_f64(), lit: some as f64, ..Cost::default() }
 }
 
 /// Windows of an image that do not overlap, spread over it, the one in the middle first.
@@ -272,11 +306,16 @@ mod tests {
 
     #[test]
     fn what_is_tried_is_reckoned_by_the_pixel() {
-        let reading = Cost { seconds: 1.0, pixels: 1e6, records: 0.0 };
-        let casting =
-            Cost { seconds: 3.0, pixels: 2e6, records: 5e5 }.and(Cost { seconds: 1.0, pixels: 2e6, records: 5e5 });
+        let none = Cost::default();
+        let reading = Cost { seconds: 1.0, pixels: 1e6, ..none };
+        let casting = Cost { seconds: 3.0, pixels: 2e6, records: 5e5, lighting: 0.5, lit: 100.0 }.and(Cost {
+            seconds: 1.0,
+            pixels: 2e6,
+            records: 5e5,
+            ..none
+        });
         let tried = sum_up(reading, casting).unwrap();
-        assert_eq!((tried.seconds_per_pixel, tried.records_per_pixel), (2e-6, 0.25));
+        assert_eq!((tried.seconds_per_pixel, tried.records_per_pixel, tried.seconds_per_light), (2e-6, 0.25, 0.005));
         assert_eq!(sum_up(Cost::default(), casting).unwrap().seconds_per_pixel, 1e-6);
         assert_eq!(sum_up(reading, Cost::default()), None);
     }

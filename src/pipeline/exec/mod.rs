@@ -167,7 +167,7 @@ impl<'a> Run<'a> {
             let groups = resume::groups(run.pipeline, manifest, loaded.mesh_key, &loaded.frames, Some(&fit));
             // Where nothing is cast, there is nothing to foretell.
             if !resume::to_do(manifest, &groups).is_empty() {
-                inputs.trial = Trial::of(run.pipeline, &loaded, base, &fit)?;
+                inputs.trial = Trial::of(run.pipeline, &loaded, base, &fit, estimator.contract().light)?;
             }
             let plan = Plan::new(run.pipeline, inputs);
             room(&*run.store, manifest, &plan.disk).enough(WORK)?;
@@ -273,7 +273,7 @@ pub fn plan(pipeline: &Pipeline) -> Result<Foreseen> {
     let fit = Readable::of(pipeline, &loaded, base);
     let mut inputs = Inputs::of(pipeline, &loaded, &*estimator, base, &fit)?;
     if Plan::new(pipeline, inputs).fits().is_ok() {
-        inputs.trial = Trial::of(pipeline, &loaded, base, &fit)?;
+        inputs.trial = Trial::of(pipeline, &loaded, base, &fit, estimator.contract().light)?;
     }
     let plan = Plan::new(pipeline, inputs);
     let store = DirStore::new(&pipeline.run.work);
