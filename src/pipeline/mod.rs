@@ -35,7 +35,7 @@ use std::path::PathBuf;
 
 use crate::base::units::Bytes;
 use crate::stages::{Choice, cast, decode, export, gather, infer, light, merge};
-use crate::synth::city::CityConfig;
+use crate::synth::city::{self, CityConfig};
 
 /// A pipeline file, checked.
 #[derive(Debug, Clone, PartialEq)]
@@ -62,6 +62,14 @@ pub struct Pipeline {
     pub export: export::Config,
     /// Where and with how much a run runs.
     pub run: Run,
+}
+
+impl Pipeline {
+    /// Whether the scene is there: it is not while the city that it is has yet to be made, or made to its end.
+    pub fn is_made(&self) -> bool {
+        let is_here = |synth: &Synth| self.scene.mesh == synth.into.join(MESH);
+        self.synth.as_ref().filter(|synth| is_here(synth)).is_none_or(|s| city::is_finished(&s.into, &s.city))
+    }
 }
 
 /// Section `[synth]`: a scene with a known truth, made where it is missing.

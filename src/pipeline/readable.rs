@@ -24,7 +24,7 @@ impl Readable {
     pub fn of(pipeline: &Pipeline, loaded: &Loaded, base: u64) -> Readable {
         let decode = loaded.decode(pipeline, "");
         // Files that have not been made yet will be JPEGs.
-        let made = pipeline.synth.is_none() || pipeline.scene.images.exists();
+        let made = pipeline.is_made();
         let need = |frame: &Frame| match decode.need(frame) {
             Ok(need) => Some(need.peak),
             Err(_) if made => None,

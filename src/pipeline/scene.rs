@@ -151,7 +151,7 @@ impl Loaded {
 
     fn expected_within(pipeline: &Pipeline, may: &dyn Fn(u64) -> Result<()>) -> Result<Loaded> {
         match &pipeline.synth {
-            Some(synth) if !pipeline.scene.mesh.exists() => {
+            Some(synth) if !pipeline.is_made() => {
                 // Its vertices come on top.
                 may(u64::from(synth.city.triangles) * size_of::<[u32; 3]>() as u64)?;
                 let mesh = city::build(&synth.city)?.mesh;

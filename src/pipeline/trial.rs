@@ -98,7 +98,7 @@ impl Trial {
     /// None that a bad frame causes; those of casting.
     pub fn of(pipeline: &Pipeline, loaded: &Loaded, base: u64, fit: &Readable, lit: bool) -> Result<Option<Trial>> {
         let decode = loaded.decode(pipeline, "");
-        let made = pipeline.scene.images.exists();
+        let made = pipeline.is_made();
         let threads = rayon::current_num_threads() as u64;
         let tree = if loaded.is_mapped() { 0 } else { subtree(loaded.mesh.len()) };
         // A window's records may be as many as its pixels.

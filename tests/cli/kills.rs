@@ -37,7 +37,7 @@ fn killed_and_resumed(dir: &TempDir, args: impl Fn(&str) -> String, kills: usize
     Ran::gonio(dir.path(), &args("whole")).ends(0);
     let whole = started.elapsed();
     let expected = outputs(&dir.path().join("whole"));
-    let (args, work) = (args("work"), dir.path().join("work"));
+    let (args, work) = (args("killed"), dir.path().join("killed"));
     let mut random = Pcg64Mcg::seed_from_u64(7);
     let mut done = 0;
     for round in 0.. {
@@ -49,7 +49,8 @@ fn killed_and_resumed(dir: &TempDir, args: impl Fn(&str) -> String, kills: usize
         loop {
             let mut run = start(dir, &args);
             sleep(whole.mul_f64(random.random_range(0.0..1.1)));
-            if run.try_wait().unwrap().is_some_and(|status| status.success()) {
+            if let Some(status) = run.try_wait().unwrap() {
+                assert!(status.success(), "after {done} kills a run ended by itself: {status}");
                 break;
             }
             run.kill().unwrap();
@@ -87,20 +88,32 @@ fn a_run_that_is_killed_often_goes_on_to_the_same_bytes() {
     kill(kills());
 }
 
-/// The demo, killed in all its phases; every other time its city is made again too. As many as `GONIO_KILLS` says, else 200.
-#[test]
-#[ignore = "an hour; for a release build"]
-fn the_demo_that_is_killed_often_goes_on_to_the_same_bytes() {
+/// The demo killed; every other time its city is made again too. `sets` are further settings.
+fn kill_demo(kills: usize, sets: &str) {
     let dir = TempDir::new().unwrap();
     fs::copy(pipelines().join("demo.toml"), dir.path().join("p.toml")).unwrap();
-    let args = |work: &str| format!("run p.toml --set run.work={work} --set gather.group=4");
+    let args = |work: &str| format!("run p.toml --set run.work={work} {sets}");
     Ran::gonio(dir.path(), &args("first")).ends(0);
     let city = dir.path().join("work/city");
-    killed_and_resumed(&dir, args, kills(), &|round| {
-        if round % 2 == 1 {
+    killed_and_resumed(&dir, args, kills, &|round| {
+        if round % 2 == 0 {
             fs::remove_dir_all(&city).unwrap();
         }
     });
+}
+
+#[test]
+fn a_run_that_is_killed_while_it_makes_its_city_goes_on_to_the_same_bytes() {
+    let city = "triangles=5000 frames=6 width=96 height=72 supersampling=1";
+    let sets: String = city.split(' ').map(|set| format!("--set synth.city.{set} ")).collect();
+    kill_demo(5, &sets);
+}
+
+/// As many as `GONIO_KILLS` says, else 200.
+#[test]
+#[ignore = "an hour; for a release build"]
+fn the_demo_that_is_killed_often_goes_on_to_the_same_bytes() {
+    kill_demo(kills(), "--set gather.group=4");
 }
 
 /// The cache is the first thing that a run makes; nothing but the kill keeps it from being made in a moment.

@@ -154,7 +154,9 @@ fn scene(reading: &Reading<'_>, s: &Section<'_>, synth: Option<&Synth>) -> Scene
     };
     let poses = Section::open(reading, "scene.poses", POSES, s.found("poses"));
     let path = poses.required_path("path", model);
-    poses.faults(without_model(&path).into_iter().collect());
+    // What a run makes may be half made.
+    let faults = if made(MODEL).as_ref() == Some(&path) { None } else { without_model(&path) };
+    poses.faults(faults.into_iter().collect());
     Scene {
         mesh: s.required_path("mesh", mesh),
         images: s.required_path("images", images),

@@ -156,6 +156,9 @@ fn what_is_made_need_not_be_there_yet() {
     let synth = p.synth.unwrap();
     assert_eq!((synth.city, synth.into), (CityConfig::default(), dir.path().join("work/city")));
     assert_eq!(p.scene.poses.path, dir.path().join("work/city/sparse/0"));
+    // Nor be whole: the making of it may have been killed.
+    std::fs::create_dir_all(dir.path().join("work/city/sparse/0")).unwrap();
+    load_text(&dir, demo.as_bytes(), &[]).unwrap();
     let text = demo.replace("city/mesh.ply", "city/msh.ply").replace("seed = 35", "seed = -1, sede = 2, sky = [1, 2]");
     insta::assert_snapshot!(load_text(&dir, text.as_bytes(), &["synth.city.frames=0"]).unwrap_err(), @r#"
     p.toml:9:17: synth.city.seed: must not be negative; got -1

@@ -82,6 +82,11 @@ pub fn look(folder: &Path, config: &CityConfig) -> Result<Found> {
     }
 }
 
+/// Whether the folder holds the finished city.
+pub fn is_finished(folder: &Path, config: &CityConfig) -> bool {
+    matches!(look(folder, config), Ok(Found::Finished(_)))
+}
+
 /// The room that making the city takes, none where it is there. What is in the folder makes way, or is kept.
 ///
 /// # Errors

@@ -29,7 +29,7 @@ mod town;
 mod write;
 
 pub use config::CityConfig;
-pub use folder::{Summary, room};
+pub use folder::{Summary, is_finished, room};
 pub use write::{generate, generate_if_needed};
 
 use glam::{DVec3, Vec3};
