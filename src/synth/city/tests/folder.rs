@@ -174,3 +174,21 @@ fn a_configuration_out_of_range_touches_nothing() {
     assert!(generate_if_needed(&at, &CityConfig { frames: 0, ..small(1) }, GO_ON).is_err());
     assert!(!at.exists());
 }
+
+#[test]
+fn the_room_that_it_takes_is_what_is_not_there_yet() {
+    let dir = tempfile::tempdir().unwrap();
+    let (at, config) = (dir.path().join("city"), small(6));
+    let needs = || folder::room(&at, &config).unwrap().map(|room| room.needs);
+    let all = needs().unwrap();
+    assert!(!folder::is_finished(&at, &config) && all > 215 * u64::from(config.triangles), "{all}");
+    let after_one = || at.join("images/frame_000.jpg").exists();
+    assert!(generate_if_needed(&at, &config, &after_one).unwrap_err().is_interrupt());
+    let there: u64 = files(&at).values().map(|bytes| bytes.len() as u64).sum();
+    assert!(needs().unwrap() < all && needs().unwrap() >= all.saturating_sub(there), "{there} of {all} are there");
+    generate_if_needed(&at, &config, GO_ON).unwrap();
+    assert!(needs().is_none() && folder::is_finished(&at, &config));
+    assert!(folder::room(&at, &small(7)).unwrap().is_some());
+    fs::write(dir.path().join("letter"), b"dear").unwrap();
+    assert!(folder::room(dir.path(), &config).is_err());
+}
