@@ -5,7 +5,7 @@
 
 import argparse
 import time
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 
 import torch
@@ -44,7 +44,7 @@ class Run:
         self.training = load(args.data / "train", args.maps)
         self.validation = load(args.data / "validation", args.validation)
         architecture = ARCHITECTURES[args.arch]
-        self.recipe = architecture.recipe
+        self.recipe = replace(architecture.recipe, batch=args.batch or architecture.recipe.batch)
         self.steps, self.per_epoch = steps_of(self.recipe, len(self.training.maps), args.budget)
         torch.manual_seed(args.seed)
         self.step, self.seconds, self.curve = 0, 0.0, []
@@ -142,6 +142,7 @@ def arguments() -> argparse.ArgumentParser:
     parser.add_argument("--arch", choices=ARCHITECTURES, required=True)
     parser.add_argument("--out", type=Path, required=True, help="the checkpoint, .pt; the curve goes beside it, .csv")
     parser.add_argument("--budget", type=int, help="maps to show; else the recipe's epochs")
+    parser.add_argument("--batch", type=int, help="maps of a step, else the recipe's 256: fewer give more steps to a small budget")
     parser.add_argument("--maps", type=int, help="train with the first maps of the set; else with all")
     parser.add_argument("--validation", type=int, help="validate with the first maps of the set; else with all")
     parser.add_argument("--log", type=int, default=100, help="steps between rows of the curve")
