@@ -1,8 +1,9 @@
 """Ours: a small convolutional network that reads kd and ks off the map by weighted sums.
 
 Once light, view and roughness are fixed, radiance is linear in kd and ks, channel by channel: so each of the two is a weighted
-sum of the channel's radiance, with weights that are the same for red, green and blue. The convolutions find the
-geometry and give the weights; the sums are exact where a plain regression would have to learn a product.
+sum of the channel's radiance, with weights that are the same for red, green and blue. The convolutions see where the
+sphere is bright and find the weights; the sums are exact where a plain regression would have to learn a product.
+Nothing in it tells red from green or blue, so that what it learns of one it knows of all.
 """
 
 import torch
@@ -37,28 +38,50 @@ class Compact(nn.Module):
 
     def __init__(self, mean: torch.Tensor, deviation: torch.Tensor) -> None:
         super().__init__()
-        self.normalise = Normalise(mean, deviation)
-        # Patches of 5 x 5 bins, 15 degrees: radiance, its square root, which spreads the dark half, and what is filled.
+        self.normalise = Normalise(mean.mean().repeat(3), deviation.mean().repeat(3))
+        # Patches of 5 x 5 bins, 15 degrees: radiance, its contrast to the map's mean, and what is filled.
         self.stem = nn.Sequential(
             nn.Conv2d(7, 32, PATCH, PATCH, bias=False), nn.BatchNorm2d(32), nn.ReLU(inplace=True)
         )
         self.blocks = nn.Sequential(Residual(32, 32, 1), Residual(32, 64, 2), Residual(64, 96, 2))
-        self.state = nn.Sequential(nn.Flatten(), nn.Linear(96 * 3 * 6, 192), nn.ReLU(inplace=True))
+        # Leaky: else the first steps leave hardly a unit of it alive, and weights that are the same for every map.
+        self.state = nn.Sequential(nn.Flatten(), nn.Linear(96 * 3 * 6, 192), nn.LeakyReLU(0.1))
         self.weights = nn.Linear(192, SUMS * PATCHES)
-        self.head = nn.Sequential(nn.Linear(192 + 3 * SUMS, 192), nn.ReLU(inplace=True), nn.Linear(192, 7))
+        # Near an even mean at first: random weights of 288 patches would add up to anything.
+        nn.init.normal_(self.weights.weight, std=2e-3)
+        nn.init.constant_(self.weights.bias, 0.5 / (PATCHES * max(float(mean.mean()), 1e-3)))
+        self.all_channels = nn.Linear(192 + 4 * SUMS, 128)
+        self.channel = nn.Linear(SUMS, 128)
+        self.correction = nn.Sequential(
+            nn.LeakyReLU(0.1), nn.Linear(128, 64), nn.LeakyReLU(0.1), nn.Linear(64, 2)
+        )
+        self.roughness = nn.Sequential(nn.Linear(192 + 4 * SUMS, 64), nn.LeakyReLU(0.1), nn.Linear(64, 1))
+
+    def stem_input(self, radiance: torch.Tensor, filled: torch.Tensor) -> torch.Tensor:
+        """Brightest, darkest and mean channel of each bin, their contrast, and whether it is filled: [N, 7, 60, 120]."""
+        levels = torch.cat(
+            [radiance.amax(1, keepdim=True), radiance.amin(1, keepdim=True), radiance.mean(1, keepdim=True)], 1
+        )
+        count = filled.sum((2, 3), keepdim=True).clamp(min=1.0)
+        mean = levels[:, 2:].sum((2, 3), keepdim=True) / count
+        contrast = filled * torch.log((levels + 0.02) / (mean + 0.02))
+        return torch.cat([self.normalise(levels), contrast, filled], 1)
 
     def forward(self, map: torch.Tensor) -> torch.Tensor:
         radiance = map.clamp(0.0, 1.0)
         filled = (radiance.amax(1, keepdim=True) > 0).to(radiance.dtype)
-        state = self.state(
-            self.blocks(self.stem(torch.cat([self.normalise(radiance), radiance.sqrt(), filled], 1)))
-        )
+        state = self.state(self.blocks(self.stem(self.stem_input(radiance, filled))))
         share = F.avg_pool2d(filled, PATCH)
-        patches = (F.avg_pool2d(radiance, PATCH) / share.clamp(min=1.0 / PATCH**2)).flatten(2)
+        mean = F.avg_pool2d(radiance, PATCH) / share.clamp(min=1.0 / PATCH**2)
+        # A fourth channel of ones: the sum of the weights of what is filled.
+        patches = torch.cat([mean, (share > 0).to(mean.dtype)], 1).flatten(2)
         weights = self.weights(state).unflatten(1, (SUMS, 1, PATCHES))
         # Not a matrix product: that would be done in bfloat16 where training uses it, which is too coarse here.
-        sums = (weights * patches.unsqueeze(1)).sum(-1).flatten(1)
-        # The first two sums are kd and ks themselves, and the head corrects them; a logit undoes the sigmoid.
-        known = torch.logit(sums[:, :6].clamp(0.01, 0.99))
-        answer = self.head(torch.cat([state, sums], 1))
-        return torch.sigmoid(torch.cat([answer[:, :6] + known, answer[:, 6:]], 1))
+        sums = (weights * patches.unsqueeze(1)).sum(-1)
+        own, ones = sums[:, :, :3].transpose(1, 2), sums[:, :, 3]
+        shared = torch.cat([state, own.mean(1), own.amax(1), own.amin(1), ones], 1)
+        # The first two sums are kd and ks, but for a correction.
+        colour = own[:, :, :2] + self.correction(self.channel(own) + self.all_channels(shared).unsqueeze(1))
+        mu = torch.cat([colour.transpose(1, 2).flatten(1), torch.sigmoid(self.roughness(shared))], 1)
+        # A clipped value has no gradient to learn from.
+        return mu if self.training else mu.clamp(0.0, 1.0)
