@@ -15,8 +15,9 @@
 //! each, is the standard deviation of the answer.
 //!
 //! A bin's radiance is sure to a step of 8 bits and a share of what the lobe sends there, since the lobe changes within the
-//! bin. A second pass takes the noise to be as large as the first left unexplained, and gives less weight to bins that
-//! it cannot explain, which something that passed by may have filled, and none to clipped ones of which it expects more.
+//! bin; and the fewer pixels it has, the less. A second pass takes the noise to be as large as the first left unexplained, and
+//! gives less weight to bins that it cannot explain, which something that passed by may have filled, and none to clipped
+//! ones of which it expects more.
 
 mod session;
 mod solve;

@@ -65,7 +65,7 @@ fn errors(bins: usize, sky: Vec3, wrong: impl Fn(LocalLight) -> LocalLight) -> [
 
 #[test]
 fn materials_under_a_known_sun_come_back() {
-    for (bins, most) in [(8, [0.01, 0.24, 0.21]), (16, [0.01, 0.21, 0.18]), (64, [0.01, 0.17, 0.13])] {
+    for (bins, most) in [(8, [0.007, 0.2, 0.17]), (16, [0.005, 0.16, 0.115]), (64, [0.003, 0.12, 0.06])] {
         let found = errors(bins, Vec3::ZERO, |light| light);
         println!("{bins} bins: kd, ks, r {found:?}");
         assert!(found.iter().zip(most).all(|(found, most)| *found < most), "{bins} bins: {found:?}");
@@ -81,7 +81,7 @@ fn a_sun_three_degrees_off_is_borne() {
     };
     let found = errors(16, Vec3::new(0.16, 0.19, 0.24), turned);
     println!("3 degrees off: kd, ks, r {found:?}");
-    assert!(found[0] < 0.04, "{found:?}");
+    assert!(found[0] < 0.03 && found[1] < 0.15 && found[2] < 0.11, "{found:?}");
 }
 
 #[test]
@@ -92,7 +92,7 @@ fn shadow_and_nothing_fall_back_on_the_prior() {
     let mut found = [Estimate::default(); 2];
     session.estimate(&[&map, &SparseMap::default()], Some(&[dark, dark]), &mut found).unwrap();
     for Estimate { material: m, deviation } in found {
-        assert!(deviation.iter().all(|d| (0.2..0.3).contains(d)), "{deviation:?}");
+        assert!(deviation.iter().all(|d| (0.15..0.3).contains(d)), "{deviation:?}");
         assert!(m.kd == [0.25; 3] && m.ks == [0.35; 3] && (m.r - 0.5).abs() < 1e-3, "{m:?}");
     }
     // Under the sky alone a matt surface is as bright as it is white.
