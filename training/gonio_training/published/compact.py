@@ -27,7 +27,8 @@ class Residual(nn.Module):
         )
         self.second = nn.Sequential(nn.Conv2d(after, after, 3, 1, 1, bias=False), nn.BatchNorm2d(after))
         same = before == after and stride == 1
-        self.shortcut = nn.Identity() if same else nn.Conv2d(before, after, 1, stride, bias=False)
+        fitted = nn.Sequential(nn.Conv2d(before, after, 1, stride, bias=False), nn.BatchNorm2d(after))
+        self.shortcut = nn.Identity() if same else fitted
 
     def forward(self, x: torch.Tensor) -> torch.Tensor:
         return torch.relu(self.second(self.first(x)) + self.shortcut(x))
@@ -44,11 +45,11 @@ class Compact(nn.Module):
             nn.Conv2d(7, 32, PATCH, PATCH, bias=False), nn.BatchNorm2d(32), nn.ReLU(inplace=True)
         )
         self.blocks = nn.Sequential(Residual(32, 32, 1), Residual(32, 64, 2), Residual(64, 96, 2))
-        # Leaky: else the first steps leave hardly a unit of it alive, and weights that are the same for every map.
         self.state = nn.Sequential(nn.Flatten(), nn.Linear(96 * 3 * 6, 192), nn.LeakyReLU(0.1))
         self.weights = nn.Linear(192, SUMS * PATCHES)
-        # Near an even mean at first: random weights of 288 patches would add up to anything.
-        nn.init.normal_(self.weights.weight, std=2e-3)
+        # An even mean at first, whatever the state: random weights of 288 patches would add up to anything, and the first
+        # thing to be learned would be to silence the convolutions.
+        nn.init.zeros_(self.weights.weight)
         nn.init.constant_(self.weights.bias, 0.5 / (PATCHES * max(float(mean.mean()), 1e-3)))
         self.all_channels = nn.Linear(192 + 4 * SUMS, 128)
         self.channel = nn.Linear(SUMS, 128)
