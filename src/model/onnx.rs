@@ -39,7 +39,23 @@ pub(super) trait Engine: Send {
 
 /// Runs an engine's code; its panic becomes an error like any other.
 pub(super) fn guarded<T>(work: impl FnOnce() -> Result<T, String>) -> Result<T, String> {
-    catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| Err(format!("the engine gave up: {}", words(&*panic))))
+    let done = catch_unwind(AssertUnwindSafe(work));
+    clear_upper_halves();
+    done.unwrap_or_else(|panic| Err(format!("the engine gave up: {}", words(&*panic))))
+}
+
+/// An engine may leave the upper halves of the vector registers in use, and threads that are spawned from then on inherit
+/// that. Code for narrower vectors, ours, then waits for them: the fit took 25 us a map in place of 10.
+fn clear_upper_halves() {
+    #[cfg(target_arch = "x86_64")]
+    if std::arch::is_x86_feature_detected!("avx") {
+        #[target_feature(enable = "avx")]
+        fn clear() {
+            std::arch::x86_64::_mm256_zeroupper();
+        }
+        // SAFETY: the processor has AVX, and no caller expects upper halves to outlive a call.
+        unsafe { clear() };
+    }
 }
 
 fn words(panic: &(dyn Any + Send)) -> &str {

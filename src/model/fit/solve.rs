@@ -17,6 +17,9 @@ const CALIBRATION: [f64; Material::LEN] = [1.42, 1.42, 1.42, 0.69, 0.69, 0.69, 0
 /// No deviation is larger than that of values spread evenly over [0, 1].
 pub const WIDEST: f64 = 0.288_7;
 
+/// Weight of a roughness, next to the likeliest's, that is none.
+const NOTHING: f64 = 1e-12;
+
 /// What is thought of a material before its map is looked at: Gaussians.
 #[derive(Debug, Clone, Copy)]
 pub struct Prior {
@@ -85,7 +88,11 @@ pub fn mean(solutions: &[Solution; LEVELS]) -> Estimate {
     let most = solutions.iter().map(|s| s.evidence).fold(f64::NEG_INFINITY, f64::max);
     let (mut sum, mut squares, mut all) = ([0f64; Material::LEN], [0f64; Material::LEN], 0.0);
     for (s, r) in solutions.iter().zip(TABLES.r) {
+        // What weighs next to nothing is left out: numbers that small are slow, and change nothing.
         let weight = (s.evidence - most).exp();
+        if weight < NOTHING {
+            continue;
+        }
         let ([kr, kg, kb], [sr, sg, sb], r) = (s.kd, s.ks, f64::from(r));
         let values = [kr, kg, kb, sr, sg, sb, r];
         for c in 0..Material::LEN {
