@@ -1,5 +1,5 @@
-//! Maps a second that are drawn: the `lobe` and the `sphere` kind, its camera afar and near, on one thread and on all. What the disk takes of them
-//! is its own affair. `cargo bench --bench spheres`.
+//! Maps a second that are drawn: the `lobe` and the `sphere` kind, its camera afar and near, on one thread and on all.
+//! What the disk takes of them is its own affair. `cargo bench --bench spheres`.
 
 use std::hint::black_box;
 

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::args::PipelineArgs;
 use super::report::Lines;
@@ -96,8 +96,9 @@ pub fn scene(pipeline: &Pipeline, options: &Judging) -> Result<String> {
     let judged = judge(pipeline, &options.truth, options.frames)?;
     if options.json {
         let row = |j: &Judged| {
-            let e = &j.errors;
-            json!({ "what": j.name, "kd": e.kd, "ks": e.ks, "r": e.r, "triangles": e.count, "missing": e.missing, "same_light": j.same, "suns": j.suns })
+            let mut row = errors(j.name, &j.errors);
+            (row["same_light"], row["suns"]) = (json!(j.same), json!(j.suns));
+            row
         };
         return Ok(json!(judged.iter().map(row).collect::<Vec<_>>()).to_string());
     }
@@ -110,11 +111,21 @@ pub fn scene(pipeline: &Pipeline, options: &Judging) -> Result<String> {
         SUNS.iter().map(|(elevation, azimuth)| format!("{:>9}", format!("{elevation}/{azimuth}"))).collect();
     lines.add(format!("{:34}{:>8}{:>8}{:>8}{:>9}{suns}", "", "kd", "ks", "r", "same sun"));
     for j in &judged {
-        let (e, same) = (&j.errors, j.same.map_or("unknown".to_owned(), |same| format!("{same:.2}")));
+        let same = j.same.map_or("unknown".to_owned(), |same| format!("{same:.2}"));
         let suns: String = j.suns.iter().map(|psnr| format!("{psnr:>9.2}")).collect();
-        lines.add(format!("{:34}{:>8.4}{:>8.4}{:>8.4}{same:>9}{suns}", j.name, e.kd, e.ks, e.r));
+        lines.add(format!("{}{same:>9}{suns}", line(j.name, &j.errors)));
     }
     Ok(lines.finish())
+}
+
+/// What an estimate is off by, as a line of a table.
+fn line(name: &str, e: &MaterialErrors) -> String {
+    format!("{name:34}{:>8.4}{:>8.4}{:>8.4}", e.kd, e.ks, e.r)
+}
+
+/// The same as JSON.
+fn errors(name: &str, e: &MaterialErrors) -> Value {
+    json!({ "what": name, "kd": e.kd, "ks": e.ks, "r": e.r, "triangles": e.count, "missing": e.missing })
 }
 
 fn as_table(rows: &[(&str, MaterialErrors)], sure: Option<[f64; 3]>, triangles: usize) -> String {
@@ -126,7 +137,7 @@ fn as_table(rows: &[(&str, MaterialErrors)], sure: Option<[f64; 3]>, triangles: 
     }
     lines.add(format!("{:34}{:>8}{:>8}{:>8}", "", "kd", "ks", "r"));
     for (name, e) in rows {
-        lines.add(format!("{name:34}{:>8.4}{:>8.4}{:>8.4}", e.kd, e.ks, e.r));
+        lines.add(line(name, e));
     }
     if let Some([kd, ks, r]) = sure {
         lines.add(format!("{:34}{:>7.1}%{:>7.1}%{:>7.1}%", "within one deviation", 100.0 * kd, 100.0 * ks, 100.0 * r));
@@ -135,7 +146,6 @@ fn as_table(rows: &[(&str, MaterialErrors)], sure: Option<[f64; 3]>, triangles: 
 }
 
 fn as_json(rows: &[(&str, MaterialErrors)], sure: Option<[f64; 3]>) -> String {
-    let row = |(name, e): &(&str, MaterialErrors)| json!({ "what": name, "kd": e.kd, "ks": e.ks, "r": e.r, "triangles": e.count, "missing": e.missing });
-    let rows = rows.iter().map(row).collect::<Vec<_>>();
+    let rows = rows.iter().map(|(name, e)| errors(name, e)).collect::<Vec<_>>();
     json!({ "estimates": rows, "within_one_deviation": sure }).to_string()
 }

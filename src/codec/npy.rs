@@ -8,8 +8,8 @@
 //! {'descr': '<f4', 'fortran_order': False, 'shape': (3, 7), }
 //! ```
 //!
-//! Written: `<f4`, or `<f2` on request, version 1. Read: `<f4` and `<f8` (rounded to f32), versions 1 to 3, row-major. The shape in the header
-//! is a claim: it is checked against the file's length before anything is allocated.
+//! Written: `<f4`, or `<f2` on request, version 1. Read: `<f4` and `<f8` (rounded to f32), versions 1 to 3, row-major. The
+//! shape in the header is a claim: it is checked against the file's length before anything is allocated.
 
 use std::fs::File;
 use std::io::{self, BufReader, Read, Write};

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::Pipeline;
 use super::exec::finished;
-use super::picture::{Light, SKY_RAYS, lighting};
+use super::picture::{Light, SKY_RAYS, as_decoded, lighting};
 use crate::base::ids::TriangleId;
 use crate::base::{Array, Error, Result};
 use crate::codec::npy;
@@ -16,8 +16,6 @@ use crate::render::metrics::{MaterialErrors, SquaredError, compare, diffuse_gues
 use crate::render::{Lighting, relight, sky_visibility};
 use crate::scene::Material;
 use crate::scene::evidence::{Evidence, Filled};
-use crate::scene::frame::Frame;
-use crate::scene::light::Sun;
 use crate::stages::light::{Mode, SceneLight};
 
 /// The other suns: elevation and azimuth about `[export] up`, degrees.
@@ -74,7 +72,7 @@ pub fn judge(pipeline: &Pipeline, truth: &Path, frames: usize) -> Result<Vec<Jud
     let mut sums = vec![vec![SquaredError::default(); lights.len()]; estimates.len()];
     let count = frames.clamp(1, loaded.frames.len());
     for posed in (0..count).map(|i| &loaded.frames[i * loaded.frames.len() / count]) {
-        let frame = Frame { camera: posed.camera.down_scaled(pipeline.decode.downscale).into(), ..posed.clone() };
+        let frame = as_decoded(pipeline, posed);
         for (at, light) in lights.iter().enumerate() {
             let wanted = relight(mesh, &bvh, &compared, &frame, light)?;
             for ((_, estimate), sums) in estimates.iter().zip(&mut sums) {
@@ -92,19 +90,17 @@ pub fn judge(pipeline: &Pipeline, truth: &Path, frames: usize) -> Result<Vec<Jud
 
 /// The light of the photographs, if it is known, and then the other suns.
 fn lights(pipeline: &Pipeline, visibility: Array<f32>) -> Result<Vec<Lighting>> {
-    let vector = |v: [f64; 3]| Vec3::from_array(v.map(|v| v as f32));
-    let config = (pipeline.light.mode == Mode::Known).then_some(&pipeline.light);
-    let sky = config.map_or(Vec3::splat(SKY), |config| vector(config.sky));
+    let known = (pipeline.light.mode == Mode::Known).then(|| pipeline.light.sun_and_sky());
+    let sky = known.map_or(Vec3::splat(SKY), |(_, sky)| sky);
     let under = |sun| {
         let background = Vec3::NAN;
         Lighting { up: up(pipeline), visibility: visibility.clone(), background, ..Lighting::new(sun, sky) }
     };
-    let known = config.map(|config| Sun { direction: vector(config.sun).normalize(), color: vector(config.color) });
     let others = SUNS.iter().map(|&(elevation_deg, azimuth_deg)| {
         let light = Light::Sun { elevation_deg, azimuth_deg, sky: SKY };
         lighting(light, DVec3::from(pipeline.export.up)).map(|lighting| lighting.sun)
     });
-    known.map(Ok).into_iter().chain(others).map(|sun| sun.map(under)).collect()
+    known.map(|(sun, _)| Ok(sun)).into_iter().chain(others).map(|sun| sun.map(under)).collect()
 }
 
 fn up(pipeline: &Pipeline) -> Vec3 {

@@ -45,9 +45,8 @@ pub fn render(pipeline: &Pipeline, frame: &str, light: Light, beside: bool, out:
     writable(out)?;
     let (loaded, materials, _) = finished(pipeline)?;
     let (_, posed) = loaded.frame(frame)?;
-    let camera = posed.camera.down_scaled(pipeline.decode.downscale);
-    let size = (camera.width, camera.height);
-    let frame = Frame { camera: camera.into(), ..posed.clone() };
+    let frame = as_decoded(pipeline, posed);
+    let size = (frame.camera.width, frame.camera.height);
     let rows = materials.rows.iter().map(|row| if row[0].is_nan() { UNKNOWN } else { Material::from(*row) });
     let mut rows: Vec<Material> = rows.collect();
     let bvh = loaded.bvh();
@@ -67,6 +66,11 @@ pub fn render(pipeline: &Pipeline, frame: &str, light: Light, beside: bool, out:
     let photograph =
         read_image(&pipeline.scene.images.join(&frame.name), size, &pipeline.decode.curve(), pipeline.run.memory.0)?;
     write_png(out, &side_by_side(&photograph, &picture), 2 * size.0, size.1)
+}
+
+/// A frame as it is decoded: with the camera of the image that is left of its photograph.
+pub(super) fn as_decoded(pipeline: &Pipeline, posed: &Frame) -> Frame {
+    Frame { camera: posed.camera.down_scaled(pipeline.decode.downscale).into(), ..posed.clone() }
 }
 
 /// A light over a scene whose zenith is `up`.

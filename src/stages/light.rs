@@ -62,6 +62,14 @@ impl Config {
     }
 }
 
+impl Config {
+    /// The sun, and the sky's radiance.
+    pub fn sun_and_sky(&self) -> (Sun, Vec3) {
+        let vector = |v: [f64; 3]| Vec3::from_array(v.map(|v| v as f32));
+        (Sun { direction: vector(self.sun).normalize_or_zero(), color: vector(self.color) }, vector(self.sky))
+    }
+}
+
 /// Rays that find a triangle's share of the sky.
 const SKY_RAYS: u32 = 32;
 
@@ -78,9 +86,8 @@ pub struct SceneLight<'a> {
 impl<'a> SceneLight<'a> {
     /// The light of the configuration over a mesh; the sky is the half about `up`.
     pub fn new(config: &Config, mesh: &'a Mesh, bvh: &'a Bvh, up: [f64; 3]) -> Self {
-        let vector = |v: [f64; 3]| Vec3::from_array(v.map(|v| v as f32));
-        let sun = Sun { direction: vector(config.sun).normalize_or_zero(), color: vector(config.color) };
-        let (sky, up) = (vector(config.sky), vector(up).normalize_or_zero());
+        let (sun, sky) = config.sun_and_sky();
+        let up = Vec3::from_array(up.map(|v| v as f32)).normalize_or_zero();
         let rays = if sky == Vec3::ZERO { 0 } else { SKY_RAYS };
         SceneLight { mesh, bvh, sun, sky, up, shares: Shares::new(mesh, rays) }
     }

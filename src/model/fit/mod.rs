@@ -49,12 +49,15 @@ pub struct Fit {
 /// Changes whenever the same map and light give another material.
 const VERSION: &str = "2";
 
+/// The deviation of values spread evenly over [0, 1].
+const WIDE: f32 = solve::WIDEST as f32;
+
 /// What is thought of a material beforehand where no network says: outdoors most surfaces are darker than the middle of the
 /// range, and more of them matt than shiny.
 const OUTDOORS: Estimate = Estimate {
     material: Material { kd: [0.25; 3], ks: [0.35; 3], r: 0.5 },
     // The roughness is as likely to be anything.
-    deviation: [0.288_7, 0.288_7, 0.288_7, 0.288_7, 0.288_7, 0.288_7, f32::INFINITY],
+    deviation: [WIDE, WIDE, WIDE, WIDE, WIDE, WIDE, f32::INFINITY],
 };
 
 impl Fit {

@@ -5,6 +5,8 @@ use std::f32::consts::{PI, TAU};
 use glam::Vec3;
 use rand::{Rng, RngExt};
 
+use crate::synth::direction;
+
 /// Nearly normal, mean 0, deviation 1: the sum of four uniforms.
 pub(super) fn bell(rng: &mut impl Rng) -> f32 {
     (0..4).map(|_| rng.random_range(-0.5..0.5f32)).sum::<f32>() * 1.732
@@ -19,11 +21,6 @@ pub(super) fn surface(rng: &mut impl Rng) -> Vec3 {
         _ => rng.random_range(-0.3..1.0f32).acos(),
     };
     direction(tilt, rng.random_range(0.0..TAU))
-}
-
-fn direction(from_up: f32, azimuth: f32) -> Vec3 {
-    let ((sin, cos), (y, x)) = (from_up.sin_cos(), azimuth.sin_cos());
-    Vec3::new(sin * x, sin * y, cos)
 }
 
 /// Unit directions to the cameras that see the surface, its own orientation aside.

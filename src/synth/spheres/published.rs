@@ -18,7 +18,6 @@
 use std::f32::consts::{FRAC_PI_4, FRAC_PI_6, PI};
 use std::path::Path;
 
-use glam::Vec3;
 use rand::seq::SliceRandom;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -28,6 +27,7 @@ use super::{Camera, MAP, Picture, Sample};
 use crate::base::Result;
 use crate::disk::{Room, room};
 use crate::scene::Material;
+use crate::synth::direction;
 
 /// Levels of a colour component on the grid, and of the roughness.
 const LEVELS: (usize, usize) = (4, 5);
@@ -135,17 +135,13 @@ fn grid(mut place: usize) -> Material {
     Material { kd: colour(), ks: colour(), r }
 }
 
-fn direction(theta: f32, phi: f32) -> Vec3 {
-    let ((sin, cos), (y, x)) = (theta.sin_cos(), phi.sin_cos());
-    Vec3::new(sin * x, sin * y, cos)
-}
-
 #[cfg(test)]
 mod tests {
     use std::collections::BTreeSet;
 
     use super::*;
     use crate::codec::npy;
+    use glam::Vec3;
 
     fn key(m: &Material) -> [u32; 7] {
         m.to_array().map(f32::to_bits)
