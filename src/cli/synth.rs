@@ -124,12 +124,33 @@ enum Kind {
     Sphere,
 }
 
+/// Where samples come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Prior {
+    /// Any material, any light
+    Uniform,
+    /// Half of the materials as outdoors, the sun above the horizon
+    Outdoor,
+}
+
+impl From<Prior> for sparse::Prior {
+    fn from(prior: Prior) -> sparse::Prior {
+        match prior {
+            Prior::Uniform => sparse::Prior::Uniform,
+            Prior::Outdoor => sparse::Prior::Outdoor,
+        }
+    }
+}
+
 /// Options of `synth bins`.
 #[derive(Debug, Args)]
 pub struct Bins {
     /// How many samples
     #[arg(long)]
     count: u64,
+    /// From what their materials and lights are drawn
+    #[arg(long, value_enum, default_value_t = Prior::Uniform)]
+    prior: Prior,
     /// Their seed
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -183,13 +204,17 @@ pub fn synth(what: Synth) -> Result<Ending> {
                 Published::new(s.seed).write(camera, &s.out, &stopped)?;
             }
         },
-        Synth::Bins(b) if b.out == Path::new("-") => match sparse::write(&mut io::stdout().lock(), b.seed, b.count) {
-            // Who reads the stream takes as many as they want.
-            Err(why) if why.kind() == io::ErrorKind::BrokenPipe => {}
-            done => done.map_err(Error::io("write", "standard output"))?,
-        },
         Synth::Bins(b) => {
-            write_atomic(&b.out, |mut to| sparse::write(&mut to, b.seed, b.count).map_err(Error::io("write", &b.out)))?
+            let write = |to: &mut dyn io::Write| sparse::write(to, b.prior.into(), b.seed, b.count);
+            if b.out == Path::new("-") {
+                match write(&mut io::stdout().lock()) {
+                    // Who reads the stream takes as many as they want.
+                    Err(why) if why.kind() == io::ErrorKind::BrokenPipe => {}
+                    done => done.map_err(Error::io("write", "standard output"))?,
+                }
+            } else {
+                write_atomic(&b.out, |mut to| write(&mut to).map_err(Error::io("write", &b.out)))?;
+            }
         }
     }
     if stop.draining() {

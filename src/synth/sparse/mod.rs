@@ -1,50 +1,54 @@
 //! Training maps as scenes make them: `lobe` maps of random materials of which flights fill few bins.
 //!
-//! One sample draws a material uniformly from [0, 1]^7, a light uniformly over the hemisphere above the surface
-//! (cos from 0.05 up), a surface among ground, roofs and walls, and a flight over it (`flight`): orbits, blocks, or both.
-//! Each frame that sees the surface gives a few pixels: radiance of the BRDF under the sun, a constant sky or the sky
-//! alone in shadow, for half of them an exposure that wavers from frame to frame, clipping at 1, 8-bit sRGB steps. A tenth of the maps has
-//! a frame with something else in it, and a tenth is filled densely at random. Maps with fewer than three bins are drawn
-//! again.
+//! One sample draws a surface among ground, roofs and walls, its material and its light from a [`Prior`], and a flight over
+//! it (`flight`): orbits, blocks, or both. Each frame that sees the surface gives a few pixels: radiance of the BRDF under
+//! the sun, a constant sky or the sky alone in shadow, for half of them an exposure that wavers from frame to frame,
+//! clipping at 1, 8-bit sRGB steps. A tenth of the maps has a frame with something else in it, and a tenth is filled
+//! densely at random. Maps with fewer than three bins are drawn again.
 //!
 //! A sample is [`RECORD`] bytes, little endian: `u32` filled bins n; `u16` bins [64]; `f32` mean radiance [64][3];
-//! `f32` material [7]; `f32` unit vector to the light [3]. Slots past n are zero. Maps with more than 64 filled bins keep
-//! a random 64. The sample at an index depends on seed and index alone.
+//! `f32` material [7]; `f32` unit vector to the sun [3], its colour where it reaches the surface [3], else 0, and the radiance
+//! of the sky that does [3]. Slots past n are zero. Maps with more than 64 filled bins keep a random 64. The sample at an
+//! index depends on prior, seed and index alone.
 
 mod flight;
+mod prior;
 #[cfg(test)]
 mod tests;
+
+pub use prior::Prior;
 
 use std::io::{self, Write};
 
 use glam::Vec3;
+use prior::Lit;
 use rand::seq::SliceRandom;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 
 use crate::scene::Material;
-use crate::scene::brdf;
+use crate::scene::light::LocalLight;
 use crate::scene::reflectance::{self, Bin, FRONT_BINS, LobeFrame, bin_of, direction_of};
 
 /// Most bins that a sample carries.
 pub const SLOTS: usize = 64;
 /// Bytes of a sample.
-pub const RECORD: usize = 4 + SLOTS * (2 + 12) + 4 * (Material::LEN + 3);
+pub const RECORD: usize = 4 + SLOTS * (2 + 12) + 4 * (Material::LEN + 9);
 /// Fewest bins that a sample carries.
 const FEWEST: usize = 3;
 /// Samples made and written at a time.
 const CHUNK: u64 = 8192;
 
-/// Writes samples `0..count` of a seed.
-pub fn write(out: &mut impl Write, seed: u64, count: u64) -> io::Result<()> {
+/// Writes samples `0..count` of a prior and a seed.
+pub fn write(out: &mut (impl Write + ?Sized), prior: Prior, seed: u64, count: u64) -> io::Result<()> {
     let table = srgb_steps();
     for start in (0..count).step_by(CHUNK as usize) {
         let end = count.min(start + CHUNK);
         let bytes: Vec<u8> = (start..end)
             .into_par_iter()
             .fold(Vec::new, |mut bytes, index| {
-                Sample::draw(seed, index, &table).append_to(&mut bytes);
+                Sample::draw(prior, seed, index, &table).append_to(&mut bytes);
                 bytes
             })
             .collect::<Vec<_>>()
@@ -61,54 +65,19 @@ pub struct Sample {
     pub bins: Vec<(Bin, [f32; 3])>,
     /// What they show.
     pub material: Material,
-    /// Unit vector to the sun, in the map's frame.
-    pub light: Vec3,
-}
-
-/// How a surface is lit in all frames of one flight.
-struct Lighting {
-    material: Material,
-    light: Vec3,
-    /// Whether the sun reaches the surface.
-    sunlit: bool,
-    /// Radiance of the part of the sky that reaches it.
-    sky: Vec3,
-}
-
-impl Lighting {
-    fn draw(rng: &mut impl Rng) -> Lighting {
-        let material = Material::from(std::array::from_fn::<f32, 7, _>(|_| rng.random()));
-        let cos = rng.random_range(0.05..1.0f32);
-        let (sin_phi, cos_phi) = rng.random_range(0.0..std::f32::consts::TAU).sin_cos();
-        let sin = (1.0 - cos * cos).sqrt();
-        let sky = match rng.random_bool(0.25) {
-            true => 0.0,
-            false => rng.random_range(0.0..0.3f32) * rng.random_range(0.3..1.0),
-        };
-        Lighting {
-            material,
-            light: Vec3::new(sin * cos_phi, sin * sin_phi, cos),
-            sunlit: sky == 0.0 || rng.random_bool(0.85),
-            sky: sky * Vec3::new(rng.random_range(0.75..1.0), rng.random_range(0.85..1.0), 1.0),
-        }
-    }
-
-    /// Radiance towards `wo`. The sky's own reflection is taken as its radiance times Fresnel's factor at `wo`.
-    fn radiance(&self, wo: Vec3) -> Vec3 {
-        let m = &self.material;
-        let sun = if self.sunlit { brdf::radiance(m, self.light, wo) } else { Vec3::ZERO };
-        sun + self.sky * (Vec3::from(m.kd) + Vec3::from(m.ks) * brdf::fresnel(wo.z.clamp(0.0, 1.0)))
-    }
+    /// What light reached it.
+    pub light: LocalLight,
 }
 
 impl Sample {
     /// The sample at an index of a seed. `steps` is [`srgb_steps`].
-    pub fn draw(seed: u64, index: u64, steps: &[f32]) -> Sample {
+    pub fn draw(prior: Prior, seed: u64, index: u64, steps: &[f32]) -> Sample {
         let mut rng = Pcg64Mcg::seed_from_u64(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(index));
         loop {
-            let lighting = Lighting::draw(&mut rng);
+            let frame = LobeFrame::new(flight::surface(&mut rng));
+            let lit = Lit::draw(prior, &frame, &mut rng);
             let mut bins =
-                if rng.random_bool(0.1) { dense(&mut rng, &lighting, steps) } else { seen(&mut rng, &lighting, steps) };
+                if rng.random_bool(0.1) { dense(&mut rng, &lit, steps) } else { seen(&mut rng, &frame, &lit, steps) };
             if bins.len() < FEWEST {
                 continue;
             }
@@ -117,7 +86,7 @@ impl Sample {
                 bins.truncate(SLOTS);
                 bins.sort_unstable_by_key(|b| b.0);
             }
-            return Sample { bins, material: lighting.material, light: lighting.light };
+            return Sample { bins, material: lit.material, light: lit.light };
         }
     }
 
@@ -127,7 +96,9 @@ impl Sample {
         let slots = |i: usize| self.bins.get(i).copied().unwrap_or_default();
         (0..SLOTS).for_each(|i| out.extend(slots(i).0.to_le_bytes()));
         (0..SLOTS).flat_map(|i| slots(i).1).for_each(|v| out.extend(v.to_le_bytes()));
-        self.material.to_array().into_iter().chain(self.light.to_array()).for_each(|v| out.extend(v.to_le_bytes()));
+        let LocalLight { direction, sun, sky } = self.light;
+        let light = [direction, sun, sky].into_iter().flat_map(|v| v.to_array());
+        self.material.to_array().into_iter().chain(light).for_each(|v| out.extend(v.to_le_bytes()));
     }
 }
 
@@ -148,16 +119,15 @@ fn stored(radiance: Vec3, steps: &[f32]) -> [f32; 3] {
 }
 
 /// Front bins filled at random, more than any flight fills.
-fn dense(rng: &mut impl Rng, lighting: &Lighting, steps: &[f32]) -> Vec<(Bin, [f32; 3])> {
+fn dense(rng: &mut impl Rng, lit: &Lit, steps: &[f32]) -> Vec<(Bin, [f32; 3])> {
     let mut bins: Vec<Bin> = (0..2 * SLOTS).map(|_| rng.random_range(0..FRONT_BINS as Bin)).collect();
     bins.sort_unstable();
     bins.dedup();
-    bins.into_iter().map(|b| (b, stored(lighting.radiance(direction_of(b)), steps))).collect()
+    bins.into_iter().map(|b| (b, stored(lit.radiance(direction_of(b)), steps))).collect()
 }
 
 /// The bins that a flight fills.
-fn seen(rng: &mut impl Rng, lighting: &Lighting, steps: &[f32]) -> Vec<(Bin, [f32; 3])> {
-    let frame = LobeFrame::new(flight::surface(rng));
+fn seen(rng: &mut impl Rng, frame: &LobeFrame, lit: &Lit, steps: &[f32]) -> Vec<(Bin, [f32; 3])> {
     let views = flight::views(rng);
     let wavering = if rng.random_bool(0.5) { rng.random_range(0.0..0.02f32) } else { 0.0 };
     // A triangle is seen under slightly different directions across its face.
@@ -175,7 +145,7 @@ fn seen(rng: &mut impl Rng, lighting: &Lighting, steps: &[f32]) -> Vec<(Bin, [f3
             if wo.z < 0.07 {
                 continue;
             }
-            let radiance = if outlier == Some(i) { other } else { lighting.radiance(wo) };
+            let radiance = if outlier == Some(i) { other } else { lit.radiance(wo) };
             let rgb = Vec3::from(stored(radiance * exposure, steps));
             let bin = bin_of(wo);
             match sums.iter_mut().rev().take(pixels).find(|s| s.0 == bin) {
