@@ -46,7 +46,7 @@ fn infer(criterion: &mut Criterion) {
                     std::thread::scope(|scope| {
                         for (i, (session, out)) in sessions.iter_mut().zip(out.chunks_mut(share)).enumerate() {
                             let maps = &maps[i * share..][..share];
-                            let lights = model.contract().light.then(|| &lights[i * share..][..share]);
+                            let lights = model.contract().light.wanted().then(|| &lights[i * share..][..share]);
                             scope.spawn(move || session.estimate(maps, lights, out).expect("an estimate"));
                         }
                     });

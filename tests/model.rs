@@ -42,7 +42,7 @@ fn backends() -> Vec<Backend> {
 /// A model of each make: a convolution, a set of bins taken out of a dense map, one of bins, a light, and what is shipped.
 fn sound() -> Vec<ModelSource> {
     let shipped = model::BUILT_IN.iter().map(|m| ModelSource::named(m.name, Path::new("")));
-    ["conv4", "set4", "bins7", "light3"].map(tiny).into_iter().chain(shipped).collect()
+    ["conv4", "set4", "bins7", "light3", "light9"].map(tiny).into_iter().chain(shipped).collect()
 }
 
 /// Maps as scenes fill them: a few front bins each; the first is empty, the second full.
@@ -71,7 +71,7 @@ fn estimate<'a>(model: &dyn Estimator, maps: impl IntoIterator<Item = &'a Sparse
     let mut out = vec![Estimate::default(); maps.len()];
     for (maps, out) in maps.chunks(batch).zip(out.chunks_mut(batch)) {
         let lights: Vec<LocalLight> = maps.iter().map(light).collect();
-        let lights = model.contract().light.then_some(lights.as_slice());
+        let lights = model.contract().light.wanted().then_some(lights.as_slice());
         model.session().unwrap().estimate(maps, lights, out).unwrap();
     }
     out.into_iter().map(|estimate| estimate.material.to_array()).collect()

@@ -1,5 +1,5 @@
 //! What an ONNX file must say before it is run. One of the inputs `map` f32 [N, C, 60, 120], C = 3 or 4, and `bins` f32
-//! [N, S, 7]; optionally `light` f32 [N, 3]; one output `mu` f32 [N, 7]; N and S symbolic; all weights inside the file;
+//! [N, S, 7]; optionally `light` f32 [N, 3 or 9]; one output `mu` f32 [N, 7]; N and S symbolic; all weights inside the file;
 //! metadata `gonio.kind` = lobe | sphere, `gonio.version`, `gonio.training`, a JSON object, and with `bins` also
 //! `gonio.bins`, the most filled bins that the model takes; and, where the model says how sure it is, `gonio.deviation`, seven
 //! root mean square errors. Nothing else is accepted.
@@ -15,6 +15,7 @@ use tract_onnx::prelude::Framework;
 
 use crate::base::{Error, Result};
 use crate::scene::Material;
+use crate::scene::light::LocalLight;
 use crate::scene::reflectance::{COLUMNS, FRONT_BINS, Kind, ROWS};
 
 /// What a model eats, and what it says of itself.
@@ -26,8 +27,8 @@ pub struct Contract {
     pub kind: Kind,
     /// The form in which it eats them.
     pub input: Input,
-    /// Whether it wants the direction to the sun beside each map.
-    pub light: bool,
+    /// What it wants to know of the light beside each map.
+    pub light: LightInput,
     /// `gonio.version`.
     pub version: String,
     /// `gonio.deviation`, if it is there: how far off the components are of maps that training never saw, root mean square.
@@ -50,6 +51,41 @@ pub enum Input {
         /// The most of them that the model takes, `gonio.bins`.
         most: usize,
     },
+}
+
+/// What a model wants to know of the light beside each map, all of it in the map's frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum LightInput {
+    /// Nothing: it works where the light is unknown.
+    #[default]
+    None,
+    /// The unit vector towards the sun, [3].
+    Direction,
+    /// [9]: that, the sun's colour times the share of the triangle that it reaches, and the radiance of the sky times the share of
+    /// it that the triangle sees; see [`LocalLight`].
+    Whole,
+}
+
+impl LightInput {
+    /// Whether it wants anything.
+    pub fn wanted(self) -> bool {
+        self != LightInput::None
+    }
+
+    /// Values of a light.
+    pub(super) fn values(self) -> usize {
+        match self {
+            LightInput::None => 0,
+            LightInput::Direction => 3,
+            LightInput::Whole => 9,
+        }
+    }
+
+    /// Appends them.
+    pub(super) fn write(self, light: &LocalLight, out: &mut Vec<f32>) {
+        let all = [light.direction, light.sun, light.sky];
+        out.extend(all.iter().flat_map(|v| v.to_array()).take(self.values()));
+    }
 }
 
 impl fmt::Display for Input {
@@ -135,8 +171,7 @@ enum Size {
     Unknown,
 }
 
-const NEEDED: &str =
-    "needed: map f32 [N, 3 or 4, 60, 120] or bins f32 [N, S, 7], optionally light f32 [N, 3], and mu f32 [N, 7] out";
+const NEEDED: &str = "needed: map f32 [N, 3 or 4, 60, 120] or bins f32 [N, S, 7], optionally light f32 [N, 3 or 9], and mu f32 [N, 7] out";
 
 /// What the graph says of how it eats maps.
 enum Form {
@@ -144,9 +179,9 @@ enum Form {
     Bins,
 }
 
-/// The form of the maps, and whether there is a light.
-fn inputs(graph: &GraphProto) -> Result<(Form, bool), String> {
-    let (mut form, mut light) = (None, false);
+/// The form of the maps, and what is wanted of the light.
+fn inputs(graph: &GraphProto) -> Result<(Form, LightInput), String> {
+    let (mut form, mut light) = (None, LightInput::None);
     for input in graph.input.iter().filter(|i| graph.initializer.iter().all(|w| w.name != i.name)) {
         let (f32s, shape) = shape(input);
         let found = || format!("the input {}; {NEEDED}", words(input));
@@ -162,7 +197,11 @@ fn inputs(graph: &GraphProto) -> Result<(Form, bool), String> {
                 n
             }
             ("light", [n, Size::Fixed(3)]) if f32s => {
-                light = true;
+                light = LightInput::Direction;
+                n
+            }
+            ("light", [n, Size::Fixed(9)]) if f32s => {
+                light = LightInput::Whole;
                 n
             }
             _ => return Err(found()),

@@ -58,7 +58,8 @@ impl Sized {
         let (mut sizes, mut inputs) = (HashMap::<Symbol, TDim>::new(), Vec::new());
         for input in 0..typed.inputs.len() {
             let fact = typed.input_fact(input).map_err(said)?;
-            let shape = if fact.rank() > 2 { contract.shape(batch, size) } else { vec![batch, 3] };
+            let shape =
+                if fact.rank() > 2 { contract.shape(batch, size) } else { vec![batch, contract.light.values()] };
             for (declared, &size) in fact.shape.iter().zip(&shape) {
                 let bound = match declared {
                     TDim::Sym(name) => &*sizes.entry(name.clone()).or_insert_with(|| size.to_dim()),

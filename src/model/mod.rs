@@ -29,7 +29,7 @@ use std::str::FromStr;
 
 use serde::Serialize;
 
-pub use contract::{Contract, Input};
+pub use contract::{Contract, Input, LightInput};
 pub use fit::Fit;
 pub use source::{BUILT_IN, BuiltIn, ModelSource};
 

@@ -3,6 +3,7 @@
 
 use std::any::Any;
 use std::borrow::Cow;
+use std::iter;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
@@ -28,7 +29,7 @@ pub(super) struct Maps<'a> {
     pub size: usize,
     /// The maps, as [`Contract::shape`] says.
     pub values: &'a [f32],
-    /// `[m, 3]`; empty if the model takes none.
+    /// As [`LightInput`] says, one after the other; empty if the model takes none.
     pub lights: &'a [f32],
 }
 
@@ -84,16 +85,15 @@ pub(super) fn load(source: &ModelSource, backend: Backend, library: Option<&Path
     // An empty map, and one of every size.
     let bins = |count: usize| SparseMap { bins: (0..count).map(|b| (b as Bin, BinSum::default())).collect() };
     let maps: Vec<SparseMap> = [0].into_iter().chain(model.contract.input.sizes()).map(bins).collect();
-    let up = LocalLight { direction: Vec3::from_array(UP), sun: Vec3::ONE, sky: Vec3::ZERO };
-    let lights = vec![up; maps.len()];
-    let lights = model.contract.light.then_some(lights.as_slice());
+    let lights = vec![OVERHEAD; maps.len()];
+    let lights = model.contract.light.wanted().then_some(lights.as_slice());
     let maps: Vec<&SparseMap> = maps.iter().collect();
     model.session()?.estimate(&maps, lights, &mut vec![Estimate::default(); maps.len()])?;
     Ok(Box::new(model))
 }
 
-/// What stands for the sun beside an empty map.
-const UP: [f32; 3] = [0.0, 0.0, 1.0];
+/// What stands for the light beside an empty map.
+const OVERHEAD: LocalLight = LocalLight { direction: Vec3::Z, sun: Vec3::ONE, sky: Vec3::ZERO };
 
 /// How far a rounding may carry a component outside [0, 1].
 const SLACK: f32 = 1e-4;
@@ -118,7 +118,7 @@ impl Estimator for OnnxModel {
 
     fn describe(&self) -> String {
         let Contract { model, kind, input, light, version, .. } = &self.contract;
-        let light = if *light { " and light" } else { "" };
+        let light = if light.wanted() { " and light" } else { "" };
         let model = format!("{} version {version} ({kind}, {input}{light})", model.display());
         let place = match &self.on {
             On::Embedded(_) => ", built in".to_owned(),
@@ -219,8 +219,8 @@ impl OnnxSession {
         if maps != answers {
             return wrong(format!("{maps} maps came for {answers} materials"));
         }
-        if lights.is_some() != self.contract.light || lights.is_some_and(|l| l.len() != maps) {
-            let needed = if self.contract.light { "needs a light beside each map" } else { "takes no light" };
+        if lights.is_some() != self.contract.light.wanted() || lights.is_some_and(|l| l.len() != maps) {
+            let needed = if self.contract.light.wanted() { "needs a light beside each map" } else { "takes no light" };
             return wrong(format!("the model {needed}; {} came", lights.map_or(0, <[LocalLight]>::len)));
         }
         Ok(())
@@ -241,9 +241,11 @@ impl OnnxSession {
             self.contract.input.write(maps[i], values);
         }
         self.lights.clear();
-        if self.contract.light {
-            self.lights.extend(chosen.iter().flat_map(|&i| lights[i].direction.to_array()));
-            self.lights.extend(UP.repeat(self.batch - chosen.len()));
+        if self.contract.light.wanted() {
+            let empty = iter::repeat_n(&OVERHEAD, self.batch - chosen.len());
+            for light in chosen.iter().map(|&i| &lights[i]).chain(empty) {
+                self.contract.light.write(light, &mut self.lights);
+            }
         }
         let batch = Maps { size, values: &self.values, lights: &self.lights };
         self.engine.run(batch, &mut self.mu).map_err(|found| Error::malformed(&self.contract.model, found))

@@ -4,7 +4,7 @@ use ort::session::Session;
 use ort::session::builder::GraphOptimizationLevel;
 use ort::value::TensorRef;
 
-use super::contract::{Contract, Input};
+use super::contract::{Contract, Input, LightInput};
 use super::library::Library;
 use super::onnx::{Engine, Maps, guarded};
 use crate::scene::Material;
@@ -18,7 +18,7 @@ pub(super) struct OnnxRuntime {
     /// The name of the input of maps, and its shape for each size.
     input: &'static str,
     shapes: Vec<Vec<usize>>,
-    light: bool,
+    light: LightInput,
 }
 
 impl OnnxRuntime {
@@ -49,8 +49,8 @@ impl Engine for OnnxRuntime {
         guarded(|| {
             let said = |e: ort::Error| e.to_string();
             let mut inputs = ort::inputs![*input => TensorRef::from_array_view((shape, maps.values)).map_err(said)?];
-            if *light {
-                let lights = TensorRef::from_array_view(([MICRO_BATCH, 3], maps.lights)).map_err(said)?;
+            if light.wanted() {
+                let lights = TensorRef::from_array_view(([MICRO_BATCH, light.values()], maps.lights)).map_err(said)?;
                 inputs.push(("light".into(), lights.into()));
             }
             let outputs = session.run(inputs).map_err(said)?;

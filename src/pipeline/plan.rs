@@ -187,7 +187,7 @@ fn trial(estimator: &dyn Estimator) -> Result<(f64, Box<dyn Session>)> {
     let mut answers = vec![Estimate::default(); maps.len()];
     let light = LocalLight { direction: Vec3::Z, sun: Vec3::ONE, sky: Vec3::ZERO };
     let lights = vec![light; maps.len()];
-    let lights = estimator.contract().light.then_some(lights.as_slice());
+    let lights = estimator.contract().light.wanted().then_some(lights.as_slice());
     session.estimate(&maps, lights, &mut answers)?;
     let started = Instant::now();
     session.estimate(&maps, lights, &mut answers)?;

@@ -62,7 +62,7 @@ fn inferred_with<'a>(
         // The sky is the half that is up.
         recipe.with("export.up", format!("{:?}", pipeline.export.up))
     };
-    let wants_light = estimator.contract().light;
+    let wants_light = estimator.contract().light.wanted();
     move |recipe| {
         let recipe = if wants_light { lit(recipe) } else { recipe };
         recipe

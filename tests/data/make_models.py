@@ -1,6 +1,6 @@
 """Writes the tiny ONNX models that the tests load: `python make_models.py`. Random weights, fixed seeds; needs onnx.
 
-conv4, set4 and bins7 are small cousins of the networks that gonio ships; light3 takes a light; the rest each break one
+conv4, set4 and bins7 are small cousins of the networks that gonio ships; light3 and light9 take a light; the rest each break one
 line of the contract, and are named for it."""
 
 from pathlib import Path
@@ -101,10 +101,11 @@ def pooled(g, channels=4, width=7, source="map"):
     return g.add("Sigmoid", g.dense(x, channels, width))
 
 
-def light3():
+def lit(values):
     g = Graph(3)
     x = g.add("Concat", g.add("Flatten", g.add("GlobalAveragePool", "map")), "light", axis=1)
-    write("light3", g, g.add("Sigmoid", g.dense(x, 6, 7)), ("N", 3, 60, 120), more_inputs=[("light", ("N", 3))])
+    mu = g.add("Sigmoid", g.dense(x, 3 + values, 7))
+    write(f"light{values}", g, mu, ("N", 3, 60, 120), more_inputs=[("light", ("N", values))])
 
 
 def broken():
@@ -160,5 +161,6 @@ if __name__ == "__main__":
     conv4()
     set4()
     bins7(metadata=BINS_24 | {"gonio.deviation": "[0.1,0.1,0.1,0.2,0.2,0.2,0.25]"})
-    light3()
+    lit(3)
+    lit(9)
     broken()

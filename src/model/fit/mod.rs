@@ -28,7 +28,7 @@ mod tests;
 
 use std::path::PathBuf;
 
-use super::contract::{Contract, Input};
+use super::contract::{Contract, Input, LightInput};
 use super::{Estimate, Estimator, Session};
 use crate::base::key::{Key, KeyBuilder};
 use crate::base::units::Bytes;
@@ -67,7 +67,7 @@ impl Fit {
             model: PathBuf::from("fit"),
             kind: Kind::Lobe,
             input: Input::Bins { most: FRONT_BINS },
-            light: true,
+            light: LightInput::Whole,
             version: VERSION.into(),
             deviation: None,
             training: serde_json::Value::Null,
@@ -105,7 +105,8 @@ impl Estimator for Fit {
     }
 
     fn session(&self) -> Result<Box<dyn Session>> {
-        let session = |network: &dyn Estimator| -> Result<_> { Ok((network.contract().light, network.session()?)) };
+        let session =
+            |network: &dyn Estimator| -> Result<_> { Ok((network.contract().light.wanted(), network.session()?)) };
         let network = self.network.as_deref().map(session).transpose()?;
         Ok(Box::new(Worker { fit: FitSession::default(), network }))
     }

@@ -116,7 +116,7 @@ fn network(pipeline: &Pipeline) -> Result<Box<dyn Estimator>> {
     let config = &pipeline.infer;
     let network = model::load(&config.model.source(), config.backend, config.library.as_deref())?;
     network.contract().require(Kind::Lobe)?;
-    if network.contract().light && pipeline.light.mode == light::Mode::Unknown {
+    if network.contract().light.wanted() && pipeline.light.mode == light::Mode::Unknown {
         return Err(Error::invalid(format!(
             "{} wants to know the light, and [light] mode is \"unknown\": make it known, or choose a model without a `light` input",
             network.describe()
@@ -167,7 +167,7 @@ impl<'a> Run<'a> {
             let groups = resume::groups(run.pipeline, manifest, loaded.mesh_key, &loaded.frames, Some(&fit));
             // Where nothing is cast, there is nothing to foretell.
             if !resume::to_do(manifest, &groups).is_empty() {
-                inputs.trial = Trial::of(run.pipeline, &loaded, base, &fit, estimator.contract().light)?;
+                inputs.trial = Trial::of(run.pipeline, &loaded, base, &fit, estimator.contract().light.wanted())?;
             }
             let plan = Plan::new(run.pipeline, inputs);
             room(&*run.store, manifest, &plan.disk).enough(WORK)?;
@@ -273,7 +273,7 @@ pub fn plan(pipeline: &Pipeline) -> Result<Foreseen> {
     let fit = Readable::of(pipeline, &loaded, base);
     let mut inputs = Inputs::of(pipeline, &loaded, &*estimator, base, &fit)?;
     if Plan::new(pipeline, inputs).fits().is_ok() {
-        inputs.trial = Trial::of(pipeline, &loaded, base, &fit, estimator.contract().light)?;
+        inputs.trial = Trial::of(pipeline, &loaded, base, &fit, estimator.contract().light.wanted())?;
     }
     let plan = Plan::new(pipeline, inputs);
     let store = DirStore::new(&pipeline.run.work);

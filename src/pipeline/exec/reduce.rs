@@ -68,7 +68,7 @@ impl Run<'_> {
         let share = inputs.share(self.budget.left()).map_err(|missing| self.budget.missing("infer", missing))?;
         let held = self.budget.reserve("infer", share.inferring)?;
         let (min_bins, batch) = (self.pipeline.merge.min_bins as usize, self.pipeline.infer.batch as usize);
-        let bvh = estimator.contract().light.then(|| loaded.bvh());
+        let bvh = estimator.contract().light.wanted().then(|| loaded.bvh());
         let (config, up) = (&self.pipeline.light, self.pipeline.export.up);
         let light = bvh.as_ref().map(|bvh| SceneLight::new(config, &loaded.mesh, bvh, up));
         let budget = self.budget.clone();
