@@ -123,11 +123,13 @@ fn command(command: Command) -> Result<Ending, Failure> {
             Ok(Ending::Done)
         }
         Command::Eval(what) => {
-            out(&match what {
-                Eval::Materials(options) => eval::materials(&options)?,
-                Eval::Scene { pipeline, options } => eval::scene(&load(&pipeline)?, &options)?,
-            });
-            Ok(Ending::Done)
+            let (text, ending) = match what {
+                Eval::Images(options) => eval::images(&options)?,
+                Eval::Materials(options) => (eval::materials(&options)?, Ending::Done),
+                Eval::Scene { pipeline, options } => (eval::scene(&load(&pipeline)?, &options)?, Ending::Done),
+            };
+            out(&text);
+            Ok(ending)
         }
         Command::Export { pipeline } => {
             let written = pipeline::export(&load(&pipeline)?)?;

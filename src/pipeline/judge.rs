@@ -12,7 +12,8 @@ use super::picture::{Light, SKY_RAYS, as_decoded, lighting};
 use crate::base::ids::TriangleId;
 use crate::base::{Array, Error, Result};
 use crate::codec::npy;
-use crate::render::metrics::{MaterialErrors, SquaredError, compare, diffuse_guess};
+use crate::render::metrics::{MaterialErrors, compare, diffuse_guess};
+use crate::render::pictures::PixelErrors;
 use crate::render::{Lighting, relight, sky_visibility};
 use crate::scene::Material;
 use crate::scene::evidence::{Evidence, Filled};
@@ -69,7 +70,7 @@ pub fn judge(pipeline: &Pipeline, truth: &Path, frames: usize) -> Result<Vec<Jud
     let compared: Vec<Material> = truth.iter().zip(&seen).map(|(m, seen)| if *seen { *m } else { nothing }).collect();
     let lights =
         lights(pipeline, sky_visibility(mesh, &bvh, up(pipeline), SKY_RAYS, 0..mesh.len() as TriangleId).into())?;
-    let mut sums = vec![vec![SquaredError::default(); lights.len()]; estimates.len()];
+    let mut sums = vec![vec![PixelErrors::default(); lights.len()]; estimates.len()];
     let count = frames.clamp(1, loaded.frames.len());
     for posed in (0..count).map(|i| &loaded.frames[i * loaded.frames.len() / count]) {
         let frame = as_decoded(pipeline, posed);
@@ -81,7 +82,7 @@ pub fn judge(pipeline: &Pipeline, truth: &Path, frames: usize) -> Result<Vec<Jud
         }
     }
     let judged = estimates.iter().zip(errors).zip(sums).map(|(((name, _), errors), sums)| {
-        let psnr: Vec<f64> = sums.iter().map(SquaredError::psnr).collect();
+        let psnr: Vec<f64> = sums.iter().map(PixelErrors::psnr).collect();
         let (same, suns) = psnr.split_at(psnr.len() - SUNS.len());
         Judged { name, errors, same: same.first().copied(), suns: std::array::from_fn(|i| suns[i]) }
     });

@@ -9,6 +9,7 @@ pub mod exec;
 pub mod explain;
 pub mod inspect;
 pub mod judge;
+pub mod pairs;
 pub mod picture;
 pub mod plan;
 pub mod problem;

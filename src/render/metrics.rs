@@ -1,34 +1,10 @@
-//! How far an estimate is from the truth.
+//! How far estimated materials are from the truth.
 
 use crate::base::{Error, Result};
 use crate::scene::Material;
 
 /// The mean of the priors that estimators are trained on: the best constant guess before anything is seen.
 pub const TRAINING_MEAN: Material = Material { kd: [0.5; 3], ks: [0.5; 3], r: 0.5 };
-
-/// How far images of linear radiance, clipped to [0, 1], are from those that they should be.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct SquaredError {
-    sum: f64,
-    count: u64,
-}
-
-impl SquaredError {
-    /// Adds an image, over the pixels of the wanted one that are finite. One that is not finite there is all wrong.
-    pub fn add(&mut self, wanted: &[[f32; 3]], found: &[[f32; 3]]) {
-        for (p, q) in wanted.iter().zip(found).filter(|(p, _)| p.iter().all(|v| v.is_finite())) {
-            let off =
-                |(x, y): (&f32, &f32)| if y.is_nan() { 1.0 } else { f64::from(x.clamp(0.0, 1.0) - y.clamp(0.0, 1.0)) };
-            self.sum += p.iter().zip(q).map(off).map(|off| off * off).sum::<f64>();
-            self.count += 3;
-        }
-    }
-
-    /// Peak signal-to-noise ratio of all images together, dB; infinite where they are equal, NaN where nothing was compared.
-    pub fn psnr(&self) -> f64 {
-        -10.0 * (self.sum / self.count as f64).log10()
-    }
-}
 
 /// The share of the components of kd, of ks, and of roughnesses that are within one deviation of the truth, over the
 /// triangles that were seen and say one; `None` if none does.
@@ -103,25 +79,6 @@ fn same_length(first: &str, a: usize, second: &str, b: usize) -> Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn psnr_has_its_closed_form() {
-        let psnr = |wanted: &[[f32; 3]], found: &[[f32; 3]]| {
-            let mut error = SquaredError::default();
-            error.add(wanted, found);
-            error.psnr()
-        };
-        let (black, grey) = ([[0.0; 3]; 4], [[0.1; 3]; 4]);
-        assert!((psnr(&black, &grey) - 20.0).abs() < 1e-5);
-        assert_eq!(psnr(&grey, &grey), f64::INFINITY);
-        // One bad pixel of four: a quarter of the squared error; left out, none is left.
-        let one = [[0.0; 3], [0.1; 3], [0.0; 3], [0.0; 3]];
-        assert!((psnr(&black, &one) - 26.0206).abs() < 1e-3);
-        assert_eq!(psnr(&[[0.0; 3], [f32::NAN; 3], [0.0; 3], [0.0; 3]], &one), f64::INFINITY);
-        // Beyond what a picture shows all is equal; what is nothing is all wrong.
-        assert_eq!(psnr(&[[7.0; 3]], &[[1.0; 3]]), f64::INFINITY);
-        assert!(psnr(&[[0.5; 3]], &[[f32::NAN; 3]]).abs() < 1e-9 && psnr(&[], &[]).is_nan());
-    }
 
     #[test]
     fn truths_within_a_deviation_are_counted_by_kind() {

@@ -6,7 +6,9 @@
 
 pub mod environment;
 pub mod metrics;
+pub mod pictures;
 pub mod relight;
+pub mod similarity;
 #[cfg(test)]
 mod tests;
 pub mod visibility;

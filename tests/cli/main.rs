@@ -6,6 +6,7 @@
 mod budget;
 mod changes;
 mod files;
+mod images;
 mod kills;
 mod lit;
 mod ran;

@@ -15,6 +15,8 @@ pub struct Header {
     pub size: (u32, u32),
     /// Bytes that the decoder holds beside the pixels.
     pub workspace: u64,
+    /// Whether the layer has alpha.
+    pub alpha: bool,
     /// Where the layer's pixels begin in the display window.
     offset: Vec2<i32>,
 }
@@ -36,27 +38,29 @@ impl Header {
         // A block is held as it is in the file, decompressed, and as samples.
         let block = meta.headers.iter().map(|h| h.max_block_byte_size() as u64).max().unwrap_or(0);
         let size = (side(window.size.width())?, side(window.size.height())?);
-        Ok(Header { size, workspace: 4 * block, offset: layer.own_attributes.layer_position - window.position })
+        let offset = layer.own_attributes.layer_position - window.position;
+        Ok(Header { size, workspace: 4 * block, alpha: has(layer, "A"), offset })
     }
 }
 
-/// Decodes the samples, RGB, of a file whose header said this. Pixels outside the layer are 0.
+/// Decodes the samples of a file whose header said this: RGB, and alpha too if there are to be four `CHANNELS` and not
+/// three. Pixels outside the layer are 0, alpha included.
 ///
 /// # Errors
 /// What the decoder says, in words.
-pub fn decode(file: BufReader<impl Read + Seek>, header: &Header) -> Result<Vec<f32>, String> {
+pub fn decode<const CHANNELS: usize>(file: BufReader<impl Read + Seek>, header: &Header) -> Result<Vec<f32>, String> {
     let Header { size: (width, height), offset, .. } = *header;
-    let samples = 3 * width as usize * height as usize;
+    let samples = CHANNELS * width as usize * height as usize;
     let image = read()
         .no_deep_data()
         .largest_resolution_level()
-        .rgb_channels(
+        .rgba_channels(
             move |_, _| vec![0f32; samples],
-            move |pixels: &mut Vec<f32>, at, (r, g, b): (f32, f32, f32)| {
+            move |pixels: &mut Vec<f32>, at, (r, g, b, a): (f32, f32, f32, f32)| {
                 let (x, y) = (at.x() as i64 + i64::from(offset.x()), at.y() as i64 + i64::from(offset.y()));
                 if (0..i64::from(width)).contains(&x) && (0..i64::from(height)).contains(&y) {
-                    let first = 3 * (y as usize * width as usize + x as usize);
-                    pixels[first..first + 3].copy_from_slice(&[r, g, b]);
+                    let first = CHANNELS * (y as usize * width as usize + x as usize);
+                    pixels[first..first + CHANNELS].copy_from_slice(&[r, g, b, a][..CHANNELS]);
                 }
             },
         )

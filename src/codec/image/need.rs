@@ -35,7 +35,9 @@ impl Need {
     /// Of an EXR.
     pub(super) fn of_exr(header: &exr::Header, becomes: Becomes) -> Need {
         let pixels = pixels(header.size);
-        Need::of(12 * pixels + header.workspace, pixels, ColorType::Rgb32F, becomes)
+        let masked = becomes == Becomes::Masked && header.alpha;
+        let color = if masked { ColorType::Rgba32F } else { ColorType::Rgb32F };
+        Need::of(pixels * u64::from(color.bytes_per_pixel()) + header.workspace, pixels, color, becomes)
     }
 
     /// Of a PNG, whose rows are decoded in place.
@@ -66,8 +68,11 @@ impl Need {
         let (kept, held) = match (becomes, color) {
             (Becomes::Grey, ColorType::L8) => (true, decoded),
             (Becomes::Grey, _) => (false, pixels),
-            (Becomes::Rgb, ColorType::Rgb8 | ColorType::Rgb16 | ColorType::Rgb32F) => (true, decoded),
-            (Becomes::Rgb, color) => (false, 3 * pixels * u64::from(color.bytes_per_pixel() / color.channel_count())),
+            (_, ColorType::Rgb8 | ColorType::Rgb16 | ColorType::Rgb32F) => (true, decoded),
+            (becomes, color) => {
+                let mask = u64::from(becomes == Becomes::Masked && color.has_alpha());
+                (false, pixels * (3 * u64::from(color.bytes_per_pixel() / color.channel_count()) + mask))
+            }
         };
         let converting = if kept { decoded } else { decoded + held };
         Need { peak: decoding.max(converting) + SLACK, held }
@@ -79,6 +84,8 @@ impl Need {
 pub(super) enum Becomes {
     /// Red, green and blue, as wide as they are.
     Rgb,
+    /// The same, and a mask of a byte if there is alpha.
+    Masked,
     /// One byte.
     Grey,
 }

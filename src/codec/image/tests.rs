@@ -1,7 +1,7 @@
 use std::fs;
 use std::path::PathBuf;
 
-use image::{DynamicImage, ImageFormat, Rgb, Rgb32FImage, RgbImage};
+use image::{DynamicImage, ImageFormat, Rgb, Rgb32FImage, RgbImage, Rgba, Rgba32FImage};
 
 use super::*;
 use crate::scene::frame::LinearImage;
@@ -64,6 +64,31 @@ fn grey_and_alpha_are_read_as_rgb() {
 }
 
 #[test]
+fn pictures_are_masked_where_alpha_is_0() {
+    // The first column is clear, the second nearly so.
+    let clear = DynamicImage::from(Rgba32FImage::from_fn(6, 4, |x, _| Rgba([0.5, 0.5, 0.5, x as f32 / 6.0])));
+    for (name, picture) in [
+        ("a.png", clear.to_rgba8().into()),
+        ("b.png", clear.to_luma_alpha16().into()),
+        ("c.tiff", clear.to_rgba16().into()),
+        ("d.exr", clear.clone()),
+    ] {
+        let picture: DynamicImage = picture;
+        let (_folder, path) = saved(name, &picture);
+        assert_eq!(size(&path).unwrap(), (6, 4));
+        let read = read_picture(&path, (6, 4), &linear(), ROOM).unwrap();
+        for at in 0..24 {
+            assert_eq!(read.pixel(at).is_none(), at % 6 == 0, "{name} pixel {at}");
+        }
+        assert!((rgb(&read, 1)[2] - 0.5).abs() < 2e-3, "{name}");
+        // A photograph's alpha means nothing.
+        assert!(read_image(&path, (6, 4), &linear(), ROOM).unwrap().pixel(0).is_some(), "{name}");
+    }
+    let (_folder, path) = saved("e.png", &gradient().into());
+    assert!(read_picture(&path, (6, 4), &linear(), ROOM).unwrap().mask.is_none());
+}
+
+#[test]
 fn samples_at_254_and_above_count_as_clipped() {
     for (value, clipped) in [(253, false), (254, true), (255, true)] {
         let (_folder, path) = saved("a.png", &RgbImage::from_pixel(2, 2, Rgb([9, value, 9])).into());
@@ -120,6 +145,8 @@ fn a_header_that_claims_more_than_the_camera_has_allocates_nothing() {
     bytes[29..33].copy_from_slice(&crc.to_be_bytes());
     fs::write(&path, bytes).unwrap();
     assert!(read_image(&path, (6, 4), &linear(), ROOM).is_err());
+    // Nor one that claims more than any picture, where there is no camera.
+    assert!(size(&path).unwrap_err().to_string().contains("larger than 65535 x 65535 pixels"));
 }
 
 #[test]

@@ -41,9 +41,13 @@ impl Curve {
     }
 }
 
-/// Linear radiance as an 8-bit sRGB sample (IEC 61966-2-1); clipped to [0, 1], not a number is 0.
-pub fn to_srgb8(linear: f32) -> u8 {
+/// Linear radiance as an sRGB value in [0, 1] (IEC 61966-2-1); clipped, not a number stays that.
+pub fn to_srgb(linear: f32) -> f32 {
     let v = linear.clamp(0.0, 1.0);
-    let stored = if v <= 0.003_130_8 { 12.92 * v } else { 1.055 * v.powf(1.0 / 2.4) - 0.055 };
-    (stored * 255.0 + 0.5) as u8
+    if v <= 0.003_130_8 { 12.92 * v } else { 1.055 * v.powf(1.0 / 2.4) - 0.055 }
+}
+
+/// Linear radiance as an 8-bit sRGB sample; clipped to [0, 1], not a number is 0.
+pub fn to_srgb8(linear: f32) -> u8 {
+    (to_srgb(linear) * 255.0 + 0.5) as u8
 }

@@ -1,9 +1,13 @@
 //! `gonio eval`: how far an estimate is from the truth.
 
+mod images;
+
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 use serde_json::{Value, json};
+
+pub use images::{Images, images};
 
 use super::args::PipelineArgs;
 use super::report::Lines;
@@ -18,6 +22,13 @@ use crate::scene::evidence::{Evidence, Filled};
 /// What is measured.
 #[derive(Debug, Subcommand)]
 pub enum Eval {
+    /// PSNR, NRMSE, DSSIM and MAE of pictures, one by one and all together
+    ///
+    /// Samples of 8 and 16 bits are taken to be sRGB, floating-point ones to be linear; all are clipped to [0, 1]. PSNR and
+    /// SSIM are of a range of 1, NRMSE is over the root mean square of the truth, and DSSIM is (1 - SSIM) / 2 with even
+    /// windows of 7 x 7 pixels. Folders are compared by the names of the files in them; what has no partner, or cannot be
+    /// compared with it, is listed, and the exit code is then 3.
+    Images(Images),
     /// Mean absolute errors of kd, ks and roughness over the triangles that were seen, beside two trivial guesses
     Materials(Materials),
     /// The same, and how well frames relight, under the sun of the photographs and four others
