@@ -23,6 +23,10 @@ impl AtomicFile {
     pub(super) fn create(target: &Path) -> Result<Self> {
         static NEXT: AtomicU64 = AtomicU64::new(0);
         let name = target.file_name().ok_or_else(|| Error::invalid(format!("{} names no file", target.display())))?;
+        // A device or a pipe would be replaced by a file of its name.
+        if fs::metadata(target).is_ok_and(|there| !there.is_file()) {
+            return Err(Error::invalid(format!("{} is not a file, and nothing is put in its place", target.display())));
+        }
         loop {
             let mut temporary = name.to_owned();
             let unique = NEXT.fetch_add(1, Ordering::Relaxed);

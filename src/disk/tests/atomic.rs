@@ -49,3 +49,14 @@ fn a_place_that_cannot_be_is_named() {
     }
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
 }
+
+#[cfg(unix)]
+#[test]
+fn a_device_stays_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let place = folder.path().join("null");
+    std::os::unix::fs::symlink("/dev/null", &place).unwrap();
+    let why = write_atomic(&place, |_| Ok(())).unwrap_err().to_string();
+    assert!(why.contains("is not a file"), "{why}");
+    assert!(fs::symlink_metadata(&place).unwrap().is_symlink());
+}
