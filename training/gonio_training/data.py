@@ -11,7 +11,7 @@ ROWS, COLUMNS = 60, 120
 BINS = ROWS * COLUMNS
 SLOTS = 64
 RECORD = np.dtype(
-    [("count", "<u4"), ("bins", "<u2", SLOTS), ("rgb", "<f4", (SLOTS, 3)), ("material", "<f4", 7), ("light", "<f4", 3)]
+    [("count", "<u4"), ("bins", "<u2", SLOTS), ("rgb", "<f4", (SLOTS, 3)), ("material", "<f4", 7), ("light", "<f4", 9)]
 )
 
 
@@ -22,7 +22,11 @@ class Batch(NamedTuple):
     bins: torch.Tensor  # [N, SLOTS] int64
     rgb: torch.Tensor  # [N, SLOTS, 3], linear, clipped at 1
     material: torch.Tensor  # [N, 7]
-    light: torch.Tensor  # [N, 3]
+    light: torch.Tensor  # [N, 9]: the unit vector to the sun, its colour where it reaches the surface, the sky's radiance
+
+    def to(self, device: str) -> "Batch":
+        """The same, elsewhere."""
+        return Batch(*(part.to(device, non_blocking=True) for part in self))
 
 
 def directions() -> torch.Tensor:
@@ -53,9 +57,9 @@ def sets(batch: Batch) -> np.ndarray:
     return (bins * mask.unsqueeze(-1)).numpy()
 
 
-def stream(binary: str, seed: int, count: int, batch: int) -> Iterator[Batch]:
-    """Batches of samples `0..count` of a seed; the last one may be short."""
-    command = [binary, "synth", "bins", "--count", str(count), "--seed", str(seed), "--out", "-"]
+def stream(binary: str, prior: str, seed: int, count: int, batch: int) -> Iterator[Batch]:
+    """Batches of samples `0..count` of a prior and a seed; the last one may be short."""
+    command = [binary, "synth", "bins", "--prior", prior, "--count", str(count), "--seed", str(seed), "--out", "-"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, bufsize=1 << 22) as process:
         for start in range(0, count, batch):
             wanted = min(batch, count - start) * RECORD.itemsize

@@ -10,17 +10,17 @@ from pathlib import Path
 import torch
 
 from .data import SLOTS, stream
-from .network import BinsNetwork, SetNetwork
+from .network import LIGHT, BinsNetwork, SetNetwork
 from .onnx_file import graph, write
 from .train import predict, published_loss
 
-VERSION = "3"
+VERSION = "4"
 HELD_OUT = 16_384
 
 
 def load(checkpoint: Path) -> tuple[SetNetwork, dict]:
     """The averaged network of a checkpoint, and the checkpoint."""
-    state = torch.load(checkpoint, weights_only=True)
+    state = torch.load(checkpoint, weights_only=True, map_location="cpu")
     network = SetNetwork(state["lit"]).eval()
     network.load_state_dict(state["average"])
     return network, state
@@ -30,7 +30,7 @@ def training(network: SetNetwork, state: dict, binary: str) -> tuple[dict, list[
     """What `gonio.training` says: data, samples, seed, and errors on samples of another seed; and `gonio.deviation`, their
     root mean square by component."""
     seed = state["seed"] + 2_000_000
-    held_out = next(stream(binary, seed, HELD_OUT, HELD_OUT))
+    held_out = next(stream(binary, state["prior"], seed, HELD_OUT, HELD_OUT))
     mu = predict(network, held_out)
     error = (mu - held_out.material).abs().mean(0)
     metrics = {
@@ -42,7 +42,7 @@ def training(network: SetNetwork, state: dict, binary: str) -> tuple[dict, list[
         "r": error[6].item(),
     }
     metrics = {name: round(value, 4) for name, value in metrics.items()}
-    told = {"data": "gonio synth bins", "samples": state["samples"], "seed": state["seed"], "metrics": metrics}
+    told = {"data": f"gonio synth bins --prior {state['prior']}", "samples": state["samples"], "seed": state["seed"], "metrics": metrics}
     deviation = (mu - held_out.material).square().mean(0).sqrt()
     return told, [round(value, 4) for value in deviation.tolist()]
 
@@ -57,7 +57,7 @@ def main() -> None:
     network, state = load(args.checkpoint)
     inputs = {"bins": (torch.full((2, 16, 7), 0.5), {0: "N", 1: "S"})}
     if network.lit:
-        inputs["light"] = (torch.full((2, 3), 0.5), {0: "N"})
+        inputs["light"] = (torch.full((2, LIGHT), 0.5), {0: "N"})
     model = graph(BinsNetwork(network), inputs)
     told, deviation = training(network, state, args.gonio)
     facts = {

@@ -12,25 +12,34 @@ from torch import nn
 from .data import SLOTS
 
 
+# Values of a light: the unit vector to the sun, its colour where it reaches the surface, the sky's radiance.
+LIGHT = 9
+TOLD = 11
+
+
 def to_light(direction: torch.Tensor, rgb: torch.Tensor, light: torch.Tensor) -> torch.Tensor:
-    """What bins are told of the light [N, 3], a unit vector: the cosines between light, direction, the half vector between
-    them and the normal, and the radiance over the light's cosine, which is kd where all is matt. [N, S, 7]."""
+    """What bins are told of the light [N, LIGHT]: the cosines between sun, direction, the half vector between them and the
+    normal; how bright sun and sky are; and the radiance over that of a white matt surface, which is kd where all is matt.
+    [N, S, TOLD]."""
     light = light.unsqueeze(1)
-    half = direction + light
+    sun, colour, sky = light[:, :, :3], light[:, :, 3:6], light[:, :, 6:9]
+    half = direction + sun
     half = half / torch.sqrt((half * half).sum(-1, keepdim=True) + 1e-9)
-    cos = light[:, :, 2:].clamp(min=0.0)
-    flat = torch.zeros_like(direction[:, :, :1]) + cos
+    cos = sun[:, :, 2:].clamp(min=0.0)
+    white = colour * cos + sky
     dot = lambda a, b: (a * b).sum(-1, keepdim=True)
-    return torch.cat([half[:, :, 2:], dot(direction, light), dot(half, light), flat, rgb / (flat + 0.1)], -1)
+    everywhere = torch.zeros_like(direction[:, :, :1]) + torch.cat([cos, colour.mean(-1, keepdim=True), sky], -1)
+    matt = (rgb / (white + 0.02)).clamp(max=4.0)
+    return torch.cat([half[:, :, 2:], dot(direction, sun), dot(half, sun), everywhere, matt], -1)
 
 
 class SetNetwork(nn.Module):
-    """Directions [N, S, 3], radiance [N, S, 3] and mask [N, S, 1] to materials [N, 7]; with `lit` also the light [N, 3]."""
+    """Directions [N, S, 3], radiance [N, S, 3] and mask [N, S, 1] to materials [N, 7]; with `lit` also the light [N, LIGHT]."""
 
     def __init__(self, lit: bool = False, width: int = 96, wide: int = 128, head: int = 1024) -> None:
         super().__init__()
         self.lit = lit
-        self.embed = nn.Sequential(nn.Linear(12 + 7 * lit, 64), nn.ReLU(), nn.Linear(64, width), nn.ReLU())
+        self.embed = nn.Sequential(nn.Linear(12 + TOLD * lit, 64), nn.ReLU(), nn.Linear(64, width), nn.ReLU())
         self.context = nn.Sequential(nn.Linear(2 * width + 1, width), nn.ReLU())
         self.own = nn.Linear(width, wide)
         self.given = nn.Linear(width, wide)
@@ -61,7 +70,7 @@ class SetNetwork(nn.Module):
 
 class BinsNetwork(nn.Module):
     """The same network behind the model contract: `bins` [N, S, 7], of which each is a direction, rgb and the number of
-    observations, 0 where there is none, and where the network wants it `light` [N, 3], to `mu` [N, 7]."""
+    observations, 0 where there is none, and where the network wants it `light` [N, 9], to `mu` [N, 7]."""
 
     def __init__(self, network: SetNetwork) -> None:
         super().__init__()

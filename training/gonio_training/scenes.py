@@ -1,6 +1,6 @@
 """Compares estimators on cities that no network was trained on: materials, and frames relit. Prints a Markdown table.
 
-    python -m gonio_training.scenes --gonio ../target/release/gonio --work out/scenes --model lit=../models/lit.onnx
+    python -m gonio_training.scenes --gonio ../target/release/gonio --work out/scenes --unlit lobe=../models/gonio-lobe-small.onnx
 
 Cities of these seeds are made by `gonio synth city` (default size: 50,000 triangles, 60 frames) under its default sun, cast
 once, and inferred from by each estimator. What is printed is the mean over the cities.
@@ -13,6 +13,8 @@ import subprocess
 from pathlib import Path
 
 SEEDS = (101, 102, 103)
+# Degrees.
+WRONG = 3
 # The city's default light: 228 degrees from +x towards +y, 47 degrees high; the sky that `gonio synth city` names.
 LIGHT = {"mode": "known", "sun": [-0.45634598, -0.50682354, 0.73135370], "sky": [0.16, 0.19, 0.24]}
 
@@ -74,35 +76,36 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--gonio", default="../target/release/gonio", help="the gonio binary")
     parser.add_argument("--work", type=Path, default=Path("out/scenes"))
-    parser.add_argument("--model", action="append", default=[], metavar="NAME=FILE", help="a further network; .onnx")
+    kinds = {
+        "unlit": ("network", "a network that is not told the light"),
+        "lit": ("network", "a network that is"),
+        "fit": ("network+fit", "a network that the fit starts from"),
+    }
+    for kind, (_, what) in kinds.items():
+        parser.add_argument(f"--{kind}", action="append", default=[], metavar="NAME=FILE", help=f"{what}, .onnx")
     args = parser.parse_args()
 
-    network = {"estimator": "network", "backend": "embedded"}
-    estimators = {
-        "network, light unknown": (network, {"mode": "unknown"}),
-        "fit": ({"estimator": "fit"}, LIGHT),
-        "fit, sun 3 degrees wrong": ({"estimator": "fit"}, turned(3)),
-        "network+fit": ({"estimator": "network+fit", "backend": "embedded"}, LIGHT),
-        "network+fit, sun 3 degrees wrong": ({"estimator": "network+fit", "backend": "embedded"}, turned(3)),
-    }
-    for named in args.model:
-        name, file = named.split("=", 1)
-        estimators[name] = (network | {"model": str(Path(file).resolve())}, LIGHT)
+    estimators, wrong = {"fit": ({"estimator": "fit"}, LIGHT)}, {"fit": {"estimator": "fit"}}
+    for kind, (estimator, _) in kinds.items():
+        for name, file in (named.split("=", 1) for named in getattr(args, kind)):
+            infer = {"estimator": estimator, "model": str(Path(file).resolve())}
+            # A network that is not told the light does not mind that the run knows it.
+            estimators[name] = (infer, LIGHT)
+            wrong |= {} if kind == "unlit" else {name: infer}
+    estimators |= {f"{name}, sun {WRONG} degrees wrong": (infer, turned(WRONG)) for name, infer in wrong.items()}
 
     scenes = []
     for seed in SEEDS:
         scene = args.work / f"city-{seed}"
         subprocess.run([args.gonio, "synth", "city", "--out", str(scene), "--seed", str(seed)], check=True, capture_output=True)
         scenes.append(scene.resolve())
-    rows, trivial = {}, {}
+    print("| estimator | kd | ks | r | same sun | sun 20/60 | 35/150 | 55/290 | 75/0 |\n|---|---|---|---|---|---|---|---|---|")
     for name, (infer, light) in estimators.items():
         judged = [judge(args.gonio, scene, args.work.resolve() / scene.name / "run", infer, light) for scene in scenes]
-        rows[name] = [city[0] for city in judged]
-        for at in range(1, len(judged[0])):
-            trivial[judged[0][at]["what"]] = [city[at] for city in judged]
-    print("| estimator | kd | ks | r | same sun | sun 20/60 | 35/150 | 55/290 | 75/0 |\n|---|---|---|---|---|---|---|---|---|")
-    for name, judged in {**rows, **trivial}.items():
-        print(row(name, judged))
+        print(row(name, [city[0] for city in judged]), flush=True)
+    # The trivial estimates are judged beside each, and are the same each time.
+    for trivial in zip(*(city[1:] for city in judged)):
+        print(row(trivial[0]["what"], trivial))
 
 
 if __name__ == "__main__":

@@ -10,11 +10,14 @@ import time
 from pathlib import Path
 
 import torch
+import torch.nn.functional as F
 
-from .data import Batch, directions, stream
+from .data import SLOTS, Batch, directions, stream
 from .network import SetNetwork
 
-DIRECTION = directions()
+DIRECTIONS = directions()
+# How far the light that the network is told is from the one that was: direction, sun, sky; relative but for the direction.
+DOUBT = (0.02, 0.03, 0.15)
 # Maps of similar size go through together, so that little of a batch is padding; the gradient is that of the batch.
 SIZES = (0, 6, 10, 16, 28, 64)
 
@@ -26,16 +29,26 @@ def published_loss(mu: torch.Tensor, truth: torch.Tensor) -> torch.Tensor:
     return error[:, :3].sum(1) + (1 - roughness.pow(1 / 3)) * error[:, 3:6].sum(1) + 3 * error[:, 6]
 
 
+def doubted(light: torch.Tensor) -> torch.Tensor:
+    """Lights [N, 9] as they are known: about right."""
+    about = lambda values, deviation: values * (1 + deviation * torch.randn_like(values[:, :1]))
+    sun = F.normalize(light[:, :3] + DOUBT[0] * torch.randn_like(light[:, :3]), dim=1)
+    return torch.cat([sun, about(light[:, 3:6], DOUBT[1]), about(light[:, 6:], DOUBT[2])], 1)
+
+
 def groups(batch: Batch, lit: bool):
     """Network inputs, with the light if `lit`, and truth for the parts of a batch, by number of filled bins."""
-    for low, high in zip(SIZES, SIZES[1:]):
+    device = batch.rgb.device
+    # A GPU waits longer for the pieces than it works on the padding.
+    sizes = (0, SLOTS) if device.type == "cuda" else SIZES
+    for low, high in zip(sizes, sizes[1:]):
         part = ((batch.count > low) & (batch.count <= high)).nonzero().squeeze(1)
         if len(part) == 0:
             continue
         slots = int(batch.count[part].max())
-        mask = (torch.arange(slots) < batch.count[part].unsqueeze(1)).float().unsqueeze(-1)
+        mask = (torch.arange(slots, device=device) < batch.count[part].unsqueeze(1)).float().unsqueeze(-1)
         light = batch.light[part] if lit else None
-        yield part, (DIRECTION[batch.bins[part, :slots]], batch.rgb[part, :slots], mask, light), batch.material[part]
+        yield part, (DIRECTIONS.to(device)[batch.bins[part, :slots]], batch.rgb[part, :slots], mask, light), batch.material[part]
 
 
 @torch.no_grad()
@@ -53,7 +66,9 @@ def main() -> None:
     parser.add_argument("--samples", type=int, default=10_000_000)
     parser.add_argument("--batch", type=int, default=1024)
     parser.add_argument("--rate", type=float, default=2e-3, help="peak learning rate of the one cosine cycle")
+    parser.add_argument("--prior", default="outdoor", help="from what materials and lights are drawn: uniform or outdoor")
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--device", default="cpu", choices=["cpu", "cuda"])
     parser.add_argument("--threads", type=int, default=2)
     parser.add_argument("--light", action="store_true", help="tell the network where the light is")
     parser.add_argument("--bf16", action="store_true", help="bfloat16 products; worth it on CPUs that have them")
@@ -62,30 +77,32 @@ def main() -> None:
 
     torch.set_num_threads(args.threads)
     torch.manual_seed(args.seed)
-    network, average = SetNetwork(args.light), SetNetwork(args.light)
+    network, average = SetNetwork(args.light).to(args.device), SetNetwork(args.light).to(args.device)
     average.load_state_dict(network.state_dict())
     optimiser = torch.optim.AdamW(network.parameters(), lr=args.rate, weight_decay=1e-4)
     steps, step = math.ceil(args.samples / args.batch), 0
     if args.out.exists():
-        state = torch.load(args.out, weights_only=True)
+        state = torch.load(args.out, weights_only=True, map_location=args.device)
         network.load_state_dict(state["network"])
         average.load_state_dict(state["average"])
         optimiser.load_state_dict(state["optimiser"])
         step = state["step"]
         print(f"resumed at step {step} of {steps}", flush=True)
     args.out.parent.mkdir(parents=True, exist_ok=True)
-    held_out = next(stream(args.gonio, args.seed + 1_000_000, 8192, 8192))
+    held_out = next(stream(args.gonio, args.prior, args.seed + 1_000_000, 8192, 8192)).to(args.device)
 
     started, first = time.time(), step
     # A resumed run draws the samples that it has not seen yet from a seed of its own.
-    batches = stream(args.gonio, args.seed + (step << 20), (steps - step) * args.batch, args.batch)
+    batches = stream(args.gonio, args.prior, args.seed + (step << 20), (steps - step) * args.batch, args.batch)
     for batch in batches:
+        batch = batch.to(args.device)
+        batch = batch._replace(light=doubted(batch.light)) if args.light else batch
         warm = min(1.0, (step + 1) / 500)
         for group in optimiser.param_groups:
             group["lr"] = args.rate * warm * 0.5 * (1 + math.cos(math.pi * step / steps))
         optimiser.zero_grad(set_to_none=True)
         for _, inputs, truth in groups(batch, args.light):
-            with torch.autocast("cpu", torch.bfloat16, enabled=args.bf16):
+            with torch.autocast(args.device, torch.bfloat16, enabled=args.bf16):
                 mu = network(*inputs)
             (published_loss(mu.float(), truth).sum() / args.batch).backward()
         torch.nn.utils.clip_grad_norm_(network.parameters(), 1.0)
@@ -124,6 +141,7 @@ def main() -> None:
                 "samples": step * args.batch,
                 "seed": args.seed,
                 "lit": args.light,
+                "prior": args.prior,
             }
             torch.save(state, args.out.with_suffix(".tmp"))
             args.out.with_suffix(".tmp").replace(args.out)

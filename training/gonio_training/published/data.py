@@ -24,9 +24,13 @@ class Spheres(NamedTuple):
     lights: torch.Tensor  # [N, 3]
     views: torch.Tensor  # [N, 3]
 
+    def to(self, device: str) -> "Spheres":
+        """The same, elsewhere."""
+        return Spheres(*(part.to(device) for part in self))
+
     def batch(self, rows: torch.Tensor, device: str = "cpu") -> "Spheres":
         """The rows of a part, radiance clipped at 1 as in a photograph."""
-        maps, materials, lights, views = (part[rows].to(device) for part in self)
+        maps, materials, lights, views = (part[rows.to(part.device)].to(device) for part in self)
         return Spheres(maps.float().clamp_(0.0, 1.0), materials, lights, views)
 
 
@@ -45,10 +49,11 @@ def order(count: int, seed: int, epoch: int) -> torch.Tensor:
 
 def statistics(part: Spheres, first: int = 16_384) -> tuple[torch.Tensor, torch.Tensor]:
     """Mean and standard deviation of each channel of clipped radiance, [3] each, over the first maps of a part."""
-    total = torch.zeros(2, 3, dtype=torch.float64)
+    device = part.maps.device
+    total = torch.zeros(2, 3, dtype=torch.float64, device=device)
     rows = torch.arange(min(first, len(part.maps)))
     for some in rows.split(256):
-        maps = part.batch(some).maps.double()
+        maps = part.batch(some, device).maps.double()
         total += torch.stack([maps.mean((0, 2, 3)), maps.square().mean((0, 2, 3))]) * len(some) / len(rows)
     mean = total[0]
-    return mean.float(), (total[1] - mean.square()).sqrt().float()
+    return mean.float().cpu(), (total[1] - mean.square()).sqrt().float().cpu()

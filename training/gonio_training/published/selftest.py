@@ -11,13 +11,13 @@ from pathlib import Path
 import numpy as np
 import torch
 
+from ..rerender import spheres as render_spheres
 from . import metrics
 from .architectures import ARCHITECTURES
 from .augment import augment, flip_columns, flip_rows
 from .data import Spheres, load, statistics
 from .normalise import Normalise
 from .recipe import OneCycle, Recipe, steps_of
-from .rerender import rerender
 from .sparse import keep
 from .train import Run, arguments
 
@@ -30,7 +30,7 @@ def random_spheres(gonio: str, camera: str) -> Spheres:
     materials = rng.random((MAPS, 7), dtype=np.float32)
     lights, views = (v / np.linalg.norm(v, axis=1, keepdims=True) for v in rng.normal(size=(2, MAPS, 3)))
     views[:, 2] = np.abs(views[:, 2])
-    maps = rerender(gonio, camera, materials, lights, views)
+    maps = render_spheres(gonio, camera, materials, lights, views)
     return Spheres(*(torch.from_numpy(part.astype(np.float32)) for part in (maps, materials, lights, views)))
 
 
@@ -55,7 +55,7 @@ def flips_are_what_mirrored_light_and_view_give(spheres: Spheres, gonio: str, ca
         flipped = first(spheres, 64)
         for turn in turns:
             turn(flipped, every)
-        again = rerender(gonio, camera, *(part.numpy() for part in flipped[1:]))
+        again = render_spheres(gonio, camera, *(part.numpy() for part in flipped[1:]))
         apart = np.abs(again - flipped.maps.numpy())
         # A sharp highlight's flank moves with the last bit of a direction.
         assert np.quantile(apart, 0.9999) < 1e-4 and apart.max() < 1e-2, apart.max()

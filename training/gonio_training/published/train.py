@@ -7,6 +7,7 @@ import argparse
 import time
 from dataclasses import asdict, replace
 from pathlib import Path
+from typing import NamedTuple
 
 import torch
 from torch import nn
@@ -36,14 +37,27 @@ def validate(network: nn.Module, part: Spheres, device: str) -> float:
     return total / len(part.maps)
 
 
+class Parts(NamedTuple):
+    """What a run learns from and what it is watched with."""
+
+    training: Spheres
+    validation: Spheres
+
+    @staticmethod
+    def read(args: argparse.Namespace) -> "Parts":
+        """Those of the command line: mapped for a CPU, and in the memory of a GPU, which must hold them: 25 GB if whole."""
+        training = load(args.data / "train", args.maps)
+        return Parts(training.to(args.device), load(args.data / "validation", args.validation))
+
+
 class Run:
     """A training run: what it reads, how far it is, and what it writes."""
 
-    def __init__(self, args: argparse.Namespace) -> None:
+    def __init__(self, args: argparse.Namespace, parts: Parts | None = None) -> None:
         self.args = args
-        self.training = load(args.data / "train", args.maps)
-        self.validation = load(args.data / "validation", args.validation)
+        self.training, self.validation = parts or Parts.read(args)
         architecture = ARCHITECTURES[args.arch]
+        self.loss = architecture.loss
         self.recipe = replace(architecture.recipe, batch=args.batch or architecture.recipe.batch)
         self.steps, self.per_epoch = steps_of(self.recipe, len(self.training.maps), args.budget)
         torch.manual_seed(args.seed)
@@ -51,7 +65,8 @@ class Run:
         state = checkpoint.read(args.out, args.device) if args.out.exists() else None
         normal = (torch.zeros(3), torch.ones(3)) if state else statistics(self.training)
         self.network = architecture.build(*normal).to(args.device, memory_format=torch.channels_last).train()
-        self.optimiser = torch.optim.Adam(self.network.parameters(), weight_decay=self.recipe.weight_decay)
+        decay, fused = self.recipe.weight_decay, args.device == "cuda"
+        self.optimiser = torch.optim.Adam(self.network.parameters(), weight_decay=decay, fused=fused)
         if state:
             self.resume(state)
 
@@ -82,8 +97,8 @@ class Run:
         progress = {"step": self.step, "seconds": self.seconds, "curve": self.curve}
         checkpoint.save(self.args.out, {**self.told(), **state, **progress})
 
-    def learn(self) -> float:
-        """One step; its loss."""
+    def learn(self) -> torch.Tensor:
+        """One step; its loss, which is not waited for."""
         epoch, place = divmod(self.step, self.per_epoch)
         rows = order(len(self.training.maps), self.args.seed, epoch)[place * self.recipe.batch :][: self.recipe.batch]
         batch = self.training.batch(rows, self.args.device)
@@ -93,14 +108,14 @@ class Run:
         maps = batch.maps.contiguous(memory_format=torch.channels_last)
         self.optimiser.zero_grad(set_to_none=True)
         with torch.autocast(self.args.device, torch.bfloat16, enabled=self.args.bf16):
-            mu = self.network(maps)
-        loss = published_loss(mu.float(), batch.materials).mean()
+            answer = self.network(maps)
+        loss = self.loss(answer.float(), batch)
         loss.backward()
         self.optimiser.step()
         self.step += 1
-        return loss.item()
+        return loss.detach()
 
-    def note(self, losses: list[float]) -> None:
+    def note(self, loss: float) -> None:
         """A row of the curve: training loss since the last one, validation loss at the ends of epochs and of the run."""
         ends = self.step % self.per_epoch == 0 or self.step == self.steps
         row = {
@@ -108,7 +123,7 @@ class Run:
             "maps": self.step * self.recipe.batch,
             "epoch": round(self.step / self.per_epoch, 4),
             "rate": float(f"{self.optimiser.param_groups[0]['lr']:.4g}"),
-            "loss": round(sum(losses) / len(losses), 5),
+            "loss": round(loss, 5),
             "validation_loss": "",
             "seconds": round(self.seconds, 1),
         }
@@ -120,19 +135,23 @@ class Run:
         print(" ".join(f"{k} {v}" for k, v in row.items() if v != "") + f", {hours:.2f} hours left", flush=True)
 
     def go(self, until: int | None = None) -> None:
-        """Trains to the end, or until a step."""
-        losses, saved = [], time.monotonic()
-        while self.step < (until or self.steps):
-            started = time.monotonic()
+        """Trains to the end, or until a step, or until the time is up."""
+        losses, saved, started, before = [], time.monotonic(), time.monotonic(), self.seconds
+        last = until or self.steps
+        while self.step < last:
             losses.append(self.learn())
-            self.seconds += time.monotonic() - started
-            if self.step % self.args.log and self.step % self.per_epoch and self.step != self.steps:
+            if self.step % self.args.log and self.step % self.per_epoch and self.step != last:
                 continue
-            self.note(losses)
+            loss = torch.stack(losses).mean().item()
+            self.seconds = before + time.monotonic() - started
+            over = self.args.minutes is not None and self.seconds >= 60 * self.args.minutes
+            self.note(loss)
             losses = []
-            if time.monotonic() - saved >= self.args.save_every_s or self.step == self.steps:
+            if over or time.monotonic() - saved >= self.args.save_every_s or self.step == self.steps:
                 self.save()
                 saved = time.monotonic()
+            if over:
+                break
 
 
 def arguments() -> argparse.ArgumentParser:
@@ -142,6 +161,7 @@ def arguments() -> argparse.ArgumentParser:
     parser.add_argument("--arch", choices=ARCHITECTURES, required=True)
     parser.add_argument("--out", type=Path, required=True, help="the checkpoint, .pt; the curve goes beside it, .csv")
     parser.add_argument("--budget", type=int, help="maps to show; else the recipe's epochs")
+    parser.add_argument("--minutes", type=float, help="end after so many minutes in all; the same command with more goes on")
     parser.add_argument("--batch", type=int, help="maps of a step, else the recipe's 256: fewer give more steps to a small budget")
     parser.add_argument("--maps", type=int, help="train with the first maps of the set; else with all")
     parser.add_argument("--validation", type=int, help="validate with the first maps of the set; else with all")
