@@ -8,11 +8,15 @@
 //! ```
 //!
 //! so that for each of [`LEVELS`] roughnesses the best kd and ks solve two linear equations (variable projection: Golub and
-//! Pereyra, SIAM J. Numer. Anal. 10(2), 1973), kept in [0, 1]. Both have a Gaussian prior as wide as [0, 1], rather dark and
-//! rather matt, which decides where the map says nothing. How well each roughness explains the map, its evidence (MacKay,
-//! Neural Computation 4(3), 1992), weighs it, and the answer is the weighted mean: a map that shows a highlight has one
-//! roughness, and one that shows none gets the middle of those that are possible. Their spread, and that of kd and ks at
-//! each, is the standard deviation of the answer.
+//! Pereyra, SIAM J. Numer. Anal. 10(2), 1973), kept in [0, 1]. Both have a Gaussian prior as wide as [0, 1] or wider, rather dark
+//! and rather matt, which decides where the map says nothing. How well each roughness explains the map, its evidence (MacKay,
+//! Neural Computation 4(3), 1992), weighs it. The answer is the weighted mean of kd and ks, and the weighted median of the
+//! roughness; how far the truth may lie from them is their standard deviation.
+//!
+//! A map without a highlight is that of a matt surface, or of one so smooth that no view came near its highlight. Halfway lies
+//! a surface with a highlight that neither has, which shows as soon as the sun moves, and most when it is low. The median is
+//! seldom there; and the less a map tells of the roughness, and the fewer bins it has, the nearer the answer moves to matt,
+//! smoothly, so that it relights no worse than a Lambertian would.
 //!
 //! A bin's radiance is sure to a step of 8 bits and a share of what the lobe sends there, since the lobe changes within the
 //! bin; and the fewer pixels it has, the less. A second pass takes the noise to be as large as the first left unexplained, and
@@ -47,17 +51,17 @@ pub struct Fit {
 }
 
 /// Changes whenever the same map and light give another material.
-const VERSION: &str = "2";
+const VERSION: &str = "3";
 
 /// The deviation of values spread evenly over [0, 1].
 const WIDE: f32 = solve::WIDEST as f32;
 
 /// What is thought of a material beforehand where no network says: outdoors most surfaces are darker than the middle of the
-/// range, and more of them matt than shiny.
+/// range, and more of them matt than shiny. Of ks the least is known.
 const OUTDOORS: Estimate = Estimate {
     material: Material { kd: [0.25; 3], ks: [0.35; 3], r: 0.5 },
     // The roughness is as likely to be anything.
-    deviation: [WIDE, WIDE, WIDE, WIDE, WIDE, WIDE, f32::INFINITY],
+    deviation: [WIDE, WIDE, WIDE, 0.4, 0.4, 0.4, f32::INFINITY],
 };
 
 impl Fit {

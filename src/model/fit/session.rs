@@ -4,7 +4,7 @@ use std::f32::consts::PI;
 
 use glam::Vec3;
 
-use super::solve::{Prior, Solution, mean, solve};
+use super::solve::{Prior, Solution, solve, together};
 use super::sums::{Channel, Weights};
 use super::tables::{DIRECTIONS, LEVELS, Levels, TABLES};
 use crate::model::Estimate;
@@ -23,7 +23,10 @@ const WITHIN_BIN: f64 = 0.1;
 /// Mean ks by which the first pass judges that share.
 const SOME_KS: f64 = 0.5;
 
-/// Residual, in standard deviations, at which a bin counts for a quarter (Geman and McClure's weights).
+/// Squared residual of a bin, in those of the mean one, up to which it counts in full: noise alone goes as far.
+const NEAR: f64 = 0.5;
+
+/// Residual beyond that, in standard deviations, at which a bin counts for a quarter (Geman and McClure's weights).
 const FAR: f64 = 1.5;
 
 /// Pixels of a bin at which its noise has twice the variance that it has of many: the fewer there are, the more of them lie
@@ -80,7 +83,7 @@ impl FitSession {
         let first = self.solve_all(light, &prior, noise, &[SOME_KS; LEVELS]);
         let noise = noise * self.weigh(&first, light, noise);
         let shine = std::array::from_fn(|level| first[level].ks.iter().sum::<f64>() / 3.0);
-        mean(&self.solve_all(light, &prior, noise, &shine))
+        together(&self.solve_all(light, &prior, noise, &shine), self.seen.len())
     }
 
     /// Gathers what does not change while the map is fitted.
@@ -146,7 +149,8 @@ impl FitSession {
         let free = (3 * self.seen.len()).saturating_sub(UNKNOWNS).max(3);
         let larger = (sum / free as f64).max(1.0);
         for bin in &mut self.seen {
-            bin.weight /= (1.0 + bin.far / (3.0 * larger * FAR * FAR)).powi(2);
+            let beyond = (bin.far / (3.0 * larger) - NEAR).max(0.0);
+            bin.weight /= (1.0 + beyond / (FAR * FAR)).powi(2);
         }
         larger
     }

@@ -42,11 +42,35 @@ fn light(rng: &mut Pcg64Mcg) -> LocalLight {
     LocalLight { direction: Vec3::new(s * phi.cos(), s * phi.sin(), z), sun: Vec3::ONE, sky: Vec3::ZERO }
 }
 
-/// Mean absolute errors of kd, ks and r over random materials; `wrong` changes the light that the fit is told.
-fn errors(bins: usize, sky: Vec3, wrong: impl Fn(LocalLight) -> LocalLight) -> [f32; 3] {
+/// How far the fit is off.
+#[derive(Debug)]
+struct Errors {
+    /// Mean absolute errors of kd, ks and r.
+    material: [f32; 3],
+    /// PSNR of what is relit, of all materials together, dB.
+    psnr: f64,
+    /// Mean of the PSNRs of the single materials, dB.
+    each: f64,
+}
+
+/// Mean squared error of what is sent towards 64 directions, spread evenly over the front, under a sun, clipped at 1.
+fn relit(rng: &mut Pcg64Mcg, truth: &M, found: &M, sun: Vec3) -> f64 {
+    let off = |_| {
+        let (z, phi) = (rng.random_range(0.01f32..1.0), rng.random_range(0.0..std::f32::consts::TAU));
+        let s = (1.0 - z * z).sqrt();
+        let wo = Vec3::new(s * phi.cos(), s * phi.sin(), z);
+        let [wanted, found] = [truth, found].map(|m| brdf::radiance(m, sun, wo).min(Vec3::ONE));
+        f64::from((wanted - found).length_squared())
+    };
+    (0..64).map(off).sum::<f64>() / (64.0 * 3.0)
+}
+
+/// Errors over random materials, relit under random suns; `wrong` changes the light that the fit is told.
+fn errors(bins: usize, sky: Vec3, wrong: impl Fn(LocalLight) -> LocalLight) -> Errors {
     let mut rng = Pcg64Mcg::seed_from_u64(bins as u64);
+    let mut novel = Pcg64Mcg::seed_from_u64(1);
     let mut session = Fit::new(None).session().unwrap();
-    let mut sums = [0.0; 3];
+    let (mut sums, mut squares, mut each) = ([0.0; 3], 0.0, 0.0);
     let count = 1000;
     for _ in 0..count {
         let truth = M::from(std::array::from_fn(|_| rng.random::<f32>()));
@@ -59,16 +83,52 @@ fn errors(bins: usize, sky: Vec3, wrong: impl Fn(LocalLight) -> LocalLight) -> [
         sums[0] += off[..3].iter().sum::<f32>() / 3.0;
         sums[1] += off[3..6].iter().sum::<f32>() / 3.0;
         sums[2] += off[6];
+        let sun = self::light(&mut novel).direction;
+        let squared = relit(&mut novel, &truth, &found[0].material, sun);
+        squares += squared / f64::from(count);
+        each -= 10.0 * squared.log10() / f64::from(count);
     }
-    sums.map(|s| s / count as f32)
+    Errors { material: sums.map(|s| s / count as f32), psnr: -10.0 * squares.log10(), each }
 }
 
 #[test]
 fn materials_under_a_known_sun_come_back() {
-    for (bins, most) in [(8, [0.007, 0.2, 0.17]), (16, [0.005, 0.16, 0.115]), (64, [0.003, 0.12, 0.06])] {
+    for (bins, most, psnr, each) in [
+        (8, [0.0055, 0.195, 0.168], 30.3, 40.0),
+        (16, [0.0035, 0.146, 0.105], 33.0, 43.5),
+        (64, [0.002, 0.11, 0.047], 38.5, 51.0),
+    ] {
         let found = errors(bins, Vec3::ZERO, |light| light);
-        println!("{bins} bins: kd, ks, r {found:?}");
-        assert!(found.iter().zip(most).all(|(found, most)| *found < most), "{bins} bins: {found:?}");
+        println!("{bins} bins: {found:?}");
+        assert!(found.material.iter().zip(most).all(|(found, most)| *found < most), "{bins} bins: {found:?}");
+        assert!(found.psnr > psnr && found.each > each, "{bins} bins: {found:?}");
+    }
+}
+
+/// Seen in few directions, a matt surface may as well be a smooth one whose highlight was missed.
+#[test]
+fn matt_surfaces_relight_no_worse_than_lambertians() {
+    let mut rng = Pcg64Mcg::seed_from_u64(5);
+    let light = LocalLight { direction: Vec3::new(0.68, 0.0, 0.73), sun: Vec3::ONE, sky: Vec3::new(0.16, 0.19, 0.24) };
+    let white = light.sun * light.direction.z + light.sky;
+    let mut session = Fit::new(None).session().unwrap();
+    for bins in [2, 5, 10, 20, 40] {
+        let mut squares = [0.0; 2];
+        for _ in 0..200 {
+            let (kd, ks, r) = (rng.random_range(0.05..0.4), rng.random_range(0.05..0.25), rng.random_range(0.65..0.9));
+            let truth = M { kd: [kd; 3], ks: [ks; 3], r };
+            let map = map(&mut rng, &truth, &light, bins);
+            let mut found = [Estimate::default()];
+            session.estimate(&[&map], Some(&[light]), &mut found).unwrap();
+            let mean = map.bins.iter().map(|(_, sum)| Vec3::from(sum.mean())).sum::<Vec3>() / bins as f32;
+            let lambertian = M { kd: (mean / white).to_array(), ks: [0.0; 3], r };
+            let low = Vec3::new(-0.47, 0.814, 0.342);
+            for (sum, m) in squares.iter_mut().zip([&found[0].material, &lambertian]) {
+                *sum += relit(&mut rng, &truth, m, low);
+            }
+        }
+        println!("{bins} bins: fit {:.2e}, Lambertian {:.2e}", squares[0], squares[1]);
+        assert!(squares[0] < squares[1], "{bins} bins: {squares:?}");
     }
 }
 
@@ -80,12 +140,12 @@ fn a_sun_three_degrees_off_is_borne() {
         LocalLight { direction, ..light }
     };
     let found = errors(16, Vec3::new(0.16, 0.19, 0.24), turned);
-    println!("3 degrees off: kd, ks, r {found:?}");
-    assert!(found[0] < 0.03 && found[1] < 0.15 && found[2] < 0.11, "{found:?}");
+    println!("3 degrees off: {found:?}");
+    assert!(found.material.iter().zip([0.025, 0.128, 0.096]).all(|(found, most)| *found < most), "{found:?}");
 }
 
 #[test]
-fn shadow_and_nothing_fall_back_on_the_prior() {
+fn shadow_and_nothing_fall_back_on_a_matt_prior() {
     let mut session = Fit::new(None).session().unwrap();
     let dark = LocalLight { direction: Vec3::Z, sun: Vec3::ZERO, sky: Vec3::ZERO };
     let map = SparseMap { bins: vec![(5, BinSum::one([0.0; 3], false))] };
@@ -93,7 +153,7 @@ fn shadow_and_nothing_fall_back_on_the_prior() {
     session.estimate(&[&map, &SparseMap::default()], Some(&[dark, dark]), &mut found).unwrap();
     for Estimate { material: m, deviation } in found {
         assert!(deviation.iter().all(|d| (0.15..0.3).contains(d)), "{deviation:?}");
-        assert!(m.kd == [0.25; 3] && m.ks == [0.35; 3] && (m.r - 0.5).abs() < 1e-3, "{m:?}");
+        assert!(m.kd == [0.25; 3] && m.ks.iter().all(|ks| *ks < 0.11) && (m.r - 0.75).abs() < 1e-3, "{m:?}");
     }
     // Under the sky alone a matt surface is as bright as it is white.
     let sky = LocalLight { sky: Vec3::splat(0.2), ..dark };
