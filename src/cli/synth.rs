@@ -129,8 +129,10 @@ enum Kind {
 enum Prior {
     /// Any material, any light
     Uniform,
-    /// Half of the materials as outdoors, the sun above the horizon
+    /// Materials as outdoors, the sun above the horizon
     Outdoor,
+    /// The same light, half of the materials any
+    Mixed,
 }
 
 impl From<Prior> for sparse::Prior {
@@ -138,6 +140,7 @@ impl From<Prior> for sparse::Prior {
         match prior {
             Prior::Uniform => sparse::Prior::Uniform,
             Prior::Outdoor => sparse::Prior::Outdoor,
+            Prior::Mixed => sparse::Prior::Mixed,
         }
     }
 }

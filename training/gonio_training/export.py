@@ -12,7 +12,7 @@ import torch
 from .data import SLOTS, stream
 from .network import LIGHT, BinsNetwork, SetNetwork
 from .onnx_file import graph, write
-from .train import predict, published_loss
+from .train import predict, published_loss, told
 
 VERSION = "4"
 HELD_OUT = 16_384
@@ -42,9 +42,9 @@ def training(network: SetNetwork, state: dict, binary: str) -> tuple[dict, list[
         "r": error[6].item(),
     }
     metrics = {name: round(value, 4) for name, value in metrics.items()}
-    told = {"data": f"gonio synth bins --prior {state['prior']}", "samples": state["samples"], "seed": state["seed"], "metrics": metrics}
+    facts = {**told(state), "metrics": metrics}
     deviation = (mu - held_out.material).square().mean(0).sqrt()
-    return told, [round(value, 4) for value in deviation.tolist()]
+    return facts, [round(value, 4) for value in deviation.tolist()]
 
 
 def main() -> None:
@@ -59,13 +59,13 @@ def main() -> None:
     if network.lit:
         inputs["light"] = (torch.full((2, LIGHT), 0.5), {0: "N"})
     model = graph(BinsNetwork(network), inputs)
-    told, deviation = training(network, state, args.gonio)
+    trained, deviation = training(network, state, args.gonio)
     facts = {
         "gonio.kind": "lobe",
         "gonio.version": VERSION,
         "gonio.bins": str(SLOTS),
         "gonio.deviation": json.dumps(deviation),
-        "gonio.training": json.dumps(told),
+        "gonio.training": json.dumps(trained),
     }
     write(model, facts, args.out)
     parameters = sum(p.numel() for p in network.parameters())

@@ -60,13 +60,20 @@ def predict(network: SetNetwork, batch: Batch) -> torch.Tensor:
     return out
 
 
+def told(state: dict) -> dict:
+    """What a checkpoint was trained with, and what it started from."""
+    before = {"before": state["before"]} if state.get("before") else {}
+    return {"data": f"gonio synth bins --prior {state['prior']}", "samples": state["samples"], "seed": state["seed"], **before}
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--gonio", default="../target/release/gonio", help="the gonio binary")
     parser.add_argument("--samples", type=int, default=10_000_000)
     parser.add_argument("--batch", type=int, default=1024)
     parser.add_argument("--rate", type=float, default=2e-3, help="peak learning rate of the one cosine cycle")
-    parser.add_argument("--prior", default="outdoor", help="from what materials and lights are drawn: uniform or outdoor")
+    parser.add_argument("--prior", default="outdoor", help="from what materials and lights are drawn: uniform, outdoor or mixed")
+    parser.add_argument("--start", type=Path, help="a checkpoint whose averaged weights to start from")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--device", default="cpu", choices=["cpu", "cuda"])
     parser.add_argument("--threads", type=int, default=2)
@@ -78,6 +85,9 @@ def main() -> None:
     torch.set_num_threads(args.threads)
     torch.manual_seed(args.seed)
     network, average = SetNetwork(args.light).to(args.device), SetNetwork(args.light).to(args.device)
+    start = torch.load(args.start, weights_only=True, map_location=args.device) if args.start else None
+    if start:
+        network.load_state_dict(start["average"])
     average.load_state_dict(network.state_dict())
     optimiser = torch.optim.AdamW(network.parameters(), lr=args.rate, weight_decay=1e-4)
     steps, step = math.ceil(args.samples / args.batch), 0
@@ -139,6 +149,7 @@ def main() -> None:
                 "optimiser": optimiser.state_dict(),
                 "step": step,
                 "samples": step * args.batch,
+                "before": told(start) if start else None,
                 "seed": args.seed,
                 "lit": args.light,
                 "prior": args.prior,

@@ -17,11 +17,11 @@ use crate::synth::direction;
 /// |---------|----------------------------------------------|------------------------------------------|------------------------|
 /// | uniform | uniform in [0, 1]^7                          | uniform over the hemisphere above the    | 1 in 9                 |
 /// |         |                                              | surface, cos from 0.05 up                |                        |
-/// | outdoor | half of them that, the others as outdoors:   | 15 to 80 degrees above the horizon, and  | what faces away, and a |
-/// |         | dark more often than bright, little colour,  | where it then stands to the surface      | fifth of the others    |
-/// |         | matt and rough more often than glossy        |                                          |                        |
+/// | outdoor | dark more often than bright, little colour,  | 15 to 80 degrees above the horizon, and  | what faces away, and a |
+/// |         | matt and rough more often than glossy        | where it then stands to the surface      | fifth of the others    |
+/// | mixed   | half of them uniform, half outdoor           | as outdoor                               | as outdoor             |
 ///
-/// In both a sky of one colour, at most 0.3, is seen in part.
+/// In all a sky of one colour, at most 0.3, is seen in part.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Prior {
     /// Nothing is more likely than anything else.
@@ -29,6 +29,8 @@ pub enum Prior {
     Uniform,
     /// As surfaces of outdoor scenes are.
     Outdoor,
+    /// The same light, but half of the materials may be anything.
+    Mixed,
 }
 
 /// A surface's material and light, the same in all frames of one flight.
@@ -40,13 +42,13 @@ pub(super) struct Lit {
 impl Lit {
     /// Draws both for a surface with this frame.
     pub fn draw(prior: Prior, frame: &LobeFrame, rng: &mut impl Rng) -> Lit {
-        match prior {
-            Prior::Uniform => Lit { material: any(rng), light: anywhere(rng) },
-            Prior::Outdoor => {
-                let material = if rng.random() { any(rng) } else { outdoor(rng) };
-                Lit { material, light: above(frame, rng) }
-            }
-        }
+        let anything = match prior {
+            Prior::Uniform => return Lit { material: any(rng), light: anywhere(rng) },
+            Prior::Outdoor => false,
+            Prior::Mixed => rng.random(),
+        };
+        let material = if anything { any(rng) } else { outdoor(rng) };
+        Lit { material, light: above(frame, rng) }
     }
 
     /// Radiance towards `wo`. The sky's own reflection is taken as its radiance times Fresnel's factor at `wo`.

@@ -1,6 +1,6 @@
 use super::*;
 
-const PRIORS: [Prior; 2] = [Prior::Uniform, Prior::Outdoor];
+const PRIORS: [Prior; 3] = [Prior::Uniform, Prior::Outdoor, Prior::Mixed];
 
 fn samples(prior: Prior, seed: u64, n: u64) -> Vec<Sample> {
     let steps = srgb_steps();

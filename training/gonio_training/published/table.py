@@ -26,7 +26,7 @@ def shown(figures: dict, names: tuple[str, ...]) -> list[str]:
 def budget(told: dict) -> str:
     """How far a row was trained, and on how much it was measured."""
     end = "trained to the end" if told["to_the_end"] else "not trained to the end"
-    return f"{told['maps_shown']:,} maps, {told['training_minutes']:g} min: {end}; {told['test_maps']:,} test maps"
+    return f"{told['maps_shown']:,} maps, {told['epochs']:g} epochs, {told['training_minutes']:g} min: {end}; {told['test_maps']:,} test maps"
 
 
 def dense(results: dict[str, dict]) -> list[str]:
