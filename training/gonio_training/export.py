@@ -9,10 +9,10 @@ from pathlib import Path
 
 import torch
 
-from .data import SLOTS, stream
+from .data import SLOTS, Batch, sets, stream
 from .network import LIGHT, BinsNetwork, SetNetwork
 from .onnx_file import graph, write
-from .train import predict, published_loss, told
+from .train import published_loss, told
 
 VERSION = "4"
 HELD_OUT = 16_384
@@ -26,12 +26,20 @@ def load(checkpoint: Path) -> tuple[SetNetwork, dict]:
     return network, state
 
 
+@torch.no_grad()
+def answers(network: SetNetwork, batch: Batch) -> torch.Tensor:
+    """What the exported model says of maps, [N, 7]."""
+    exported, bins = BinsNetwork(network), torch.from_numpy(sets(batch)).split(1024)
+    lights = batch.light.split(1024) if network.lit else [None] * len(bins)
+    return torch.cat([exported(*inputs) for inputs in zip(bins, lights)])
+
+
 def training(network: SetNetwork, state: dict, binary: str) -> tuple[dict, list[float]]:
     """What `gonio.training` says: data, samples, seed, and errors on samples of another seed; and `gonio.deviation`, their
     root mean square by component."""
     seed = state["seed"] + 2_000_000
     held_out = next(stream(binary, state["prior"], seed, HELD_OUT, HELD_OUT))
-    mu = predict(network, held_out)
+    mu = answers(network, held_out)
     error = (mu - held_out.material).abs().mean(0)
     metrics = {
         "held_out": HELD_OUT,

@@ -68,14 +68,27 @@ class SetNetwork(nn.Module):
         return torch.sigmoid(self.head(pooled))
 
 
+def cautious(mu: torch.Tensor, rgb: torch.Tensor, mask: torch.Tensor) -> torch.Tensor:
+    """Answers [N, 7] moved towards a matt surface that is as bright as it looks.
+
+    One map whose light is unknown never tells kd from the light, and seldom ks and r: what a network says of them is the mean of
+    all that is likely, and relights worse than matt surfaces of the mean radiance do. In between both are outdone. How far: tried on
+    the synthetic cities of seeds 35 and 36."""
+    looks = (rgb * mask).sum(1) / mask.sum(1).clamp(min=1.0)
+    kd = mu[:, :3] + 0.5 * (looks - mu[:, :3])
+    return torch.cat([kd, 0.4 * mu[:, 3:6], mu[:, 6:] + 0.6 * (0.75 - mu[:, 6:]).clamp(min=0.0)], 1)
+
+
 class BinsNetwork(nn.Module):
     """The same network behind the model contract: `bins` [N, S, 7], of which each is a direction, rgb and the number of
-    observations, 0 where there is none, and where the network wants it `light` [N, 9], to `mu` [N, 7]."""
+    observations, 0 where there is none, and where the network wants it `light` [N, 9], to `mu` [N, 7], cautious where there is
+    no light."""
 
     def __init__(self, network: SetNetwork) -> None:
         super().__init__()
         self.network = network
 
     def forward(self, bins: torch.Tensor, light: torch.Tensor | None = None) -> torch.Tensor:
-        mask = (bins[:, :, 6:] > 0).float()
-        return self.network(bins[:, :, :3], bins[:, :, 3:6].clamp(0.0, 1.0), mask, light)
+        mask, rgb = (bins[:, :, 6:] > 0).float(), bins[:, :, 3:6].clamp(0.0, 1.0)
+        mu = self.network(bins[:, :, :3], rgb, mask, light)
+        return cautious(mu, rgb, mask) if light is None else mu

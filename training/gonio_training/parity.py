@@ -12,8 +12,7 @@ import onnxruntime
 import torch
 
 from .data import SLOTS, Batch, sets, stream
-from .export import load
-from .train import predict
+from .export import answers, load
 
 SEED = 3_000_000
 ALLOWED = 1e-5
@@ -48,7 +47,7 @@ def main() -> None:
 
     network, state = load(args.checkpoint)
     batch: Batch = next(stream(args.gonio, state["prior"], SEED, args.count, args.count))
-    difference = np.abs(run(args.model, sets(batch), batch.light.numpy()) - predict(network, batch).numpy()).max()
+    difference = np.abs(run(args.model, sets(batch), batch.light.numpy()) - answers(network, batch).numpy()).max()
     empty = run(args.model, np.zeros((1, SLOTS, 7), np.float32), np.array([[0, 0, 1, 1, 1, 1, 0, 0, 0]], np.float32))
     sound = bool(np.isfinite(empty).all() and (empty >= 0).all() and (empty <= 1).all())
     print(f"largest difference of {args.count} maps {difference:.1e}, {ALLOWED:.0e} allowed; empty map sound: {sound}")
