@@ -18,7 +18,7 @@ import torch
 from .data import sets, stream
 from .parity import run
 from .rerender import lobes
-from .train import published_loss
+from .train import errors, published_loss
 
 CHUNK = 1024
 # Fewest and most filled bins of a row.
@@ -46,15 +46,9 @@ def others(count: int) -> torch.Tensor:
     return torch.stack([s * phi.cos(), s * phi.sin(), z], 1)
 
 
-def errors(mu: torch.Tensor, truth: torch.Tensor) -> tuple[float, float, float]:
-    """Mean absolute errors of kd, ks and roughness."""
-    error = (mu - truth).abs().mean(0)
-    return error[:3].mean().item(), error[3:6].mean().item(), error[6].item()
-
-
 def row(name: str, mu: torch.Tensor, truth: torch.Tensor, lit: tuple[torch.Tensor, torch.Tensor]) -> str:
     """Maps, the published loss, mean absolute errors of kd, ks and roughness, and PSNR under both lights."""
-    loss, (kd, ks, r) = published_loss(mu, truth).mean().item(), errors(mu, truth)
+    loss, (kd, ks, r) = published_loss(mu, truth).mean().item(), errors(mu, truth).values()
     same, other = (light.nanmean().item() for light in lit)
     return f"{name:>12}{len(mu):>8}{loss:>9.4f}{kd:>9.4f}{ks:>9.4f}{r:>9.4f}{same:>9.2f}{other:>9.2f}"
 
@@ -85,7 +79,7 @@ def main() -> None:
         print(row(f"{low} to {high}", mu[part], truth[part], (same[part], other[part])))
     print(row("all", mu, truth, (same, other)))
     half = torch.full_like(truth, 0.5)
-    print(f"0.5 throughout would err by {', '.join(f'{v:.4f}' for v in errors(half, truth))} in kd, ks, r")
+    print(f"0.5 throughout would err by {', '.join(f'{v:.4f}' for v in errors(half, truth).values())} in kd, ks, r")
     quantiles = np.quantile(count.numpy(), [0.05, 0.25, 0.5, 0.75, 0.95]).astype(int).tolist()
     print(f"filled bins of these maps, quantiles 5, 25, 50, 75, 95%: {quantiles}")
 

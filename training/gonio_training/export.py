@@ -12,7 +12,7 @@ import torch
 from .data import SLOTS, Batch, sets, stream
 from .network import LIGHT, BinsNetwork, SetNetwork
 from .onnx_file import graph, write
-from .train import published_loss, told
+from .train import errors, published_loss, told
 
 VERSION = "4"
 HELD_OUT = 16_384
@@ -40,14 +40,11 @@ def training(network: SetNetwork, state: dict, binary: str) -> tuple[dict, list[
     seed = state["seed"] + 2_000_000
     held_out = next(stream(binary, state["prior"], seed, HELD_OUT, HELD_OUT))
     mu = answers(network, held_out)
-    error = (mu - held_out.material).abs().mean(0)
     metrics = {
         "held_out": HELD_OUT,
         "held_out_seed": seed,
         "loss": published_loss(mu, held_out.material).mean().item(),
-        "kd": error[:3].mean().item(),
-        "ks": error[3:6].mean().item(),
-        "r": error[6].item(),
+        **errors(mu, held_out.material),
     }
     metrics = {name: round(value, 4) for name, value in metrics.items()}
     facts = {**told(state), "metrics": metrics}

@@ -29,6 +29,12 @@ def published_loss(mu: torch.Tensor, truth: torch.Tensor) -> torch.Tensor:
     return error[:, :3].sum(1) + (1 - roughness.pow(1 / 3)) * error[:, 3:6].sum(1) + 3 * error[:, 6]
 
 
+def errors(mu: torch.Tensor, truth: torch.Tensor) -> dict[str, float]:
+    """Mean absolute errors of kd, ks and roughness."""
+    error = (mu - truth).abs().mean(0)
+    return {"kd": error[:3].mean().item(), "ks": error[3:6].mean().item(), "r": error[6].item()}
+
+
 def doubted(light: torch.Tensor) -> torch.Tensor:
     """Lights [N, 9] as they are known: about right."""
     about = lambda values, deviation: values * (1 + deviation * torch.randn_like(values[:, :1]))
@@ -124,14 +130,11 @@ def main() -> None:
                 slow.lerp_(fast, 1 - blend)
         if step % 500 == 0 or step == steps:
             mu = predict(average, held_out)
-            error = (mu - held_out.material).abs().mean(0)
             row = {
                 "step": step,
                 "samples": step * args.batch,
                 "loss": published_loss(mu, held_out.material).mean().item(),
-                "kd": error[:3].mean().item(),
-                "ks": error[3:6].mean().item(),
-                "r": error[6].item(),
+                **errors(mu, held_out.material),
                 "samples_per_s": (step - first) * args.batch / (time.time() - started),
             }
             row["hours_left"] = (steps - step) * args.batch / row["samples_per_s"] / 3600

@@ -26,7 +26,7 @@ ETA = 1.5
 PATCH = 5
 PATCHES = (ROWS // PATCH) * (COLUMNS // PATCH)
 TOLD = 4
-# Bins that are solved with: all of a sparse map, of a full one the brightest and some of the others.
+# Bins that are solved with: all of a sparse map, of a full one the bright ones and some of the others.
 BINS = 512
 # Roughnesses of the first grid, and of the finer ones to either side of the likeliest.
 COARSE, FINE = 24, 4
@@ -178,7 +178,7 @@ class Solved(nn.Module):
         if self.training:
             return logits
         best = logits.argmax(1)
-        # Brightest first as far as half of the places go, then whatever comes.
+        # What is brighter than twice the mean first, where a highlight is; then the others, each in its turn.
         level, there = brightest.flatten(1), filled.flatten(1)
         mean = level.sum(1, keepdim=True) / there.sum(1, keepdim=True).clamp(min=1.0)
         chosen = (there * (1.0 + self.turn + (level > 2.0 * mean))).topk(BINS, 1).indices
