@@ -2,7 +2,8 @@
 
 import math
 import subprocess
-from typing import Iterator, NamedTuple
+from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
 import torch
@@ -40,7 +41,10 @@ def directions() -> torch.Tensor:
 
 def to_batch(records: np.ndarray) -> Batch:
     """A batch of raw records."""
-    field = lambda name, dtype: torch.from_numpy(np.ascontiguousarray(records[name]).astype(dtype, copy=False))
+
+    def field(name: str, dtype: type) -> torch.Tensor:
+        return torch.from_numpy(np.ascontiguousarray(records[name]).astype(dtype, copy=False))
+
     return Batch(
         field("count", np.int64),
         field("bins", np.int64),

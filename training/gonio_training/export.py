@@ -31,7 +31,7 @@ def answers(network: SetNetwork, batch: Batch) -> torch.Tensor:
     """What the exported model says of maps, [N, 7]."""
     exported, bins = BinsNetwork(network), torch.from_numpy(sets(batch)).split(1024)
     lights = batch.light.split(1024) if network.lit else [None] * len(bins)
-    return torch.cat([exported(*inputs) for inputs in zip(bins, lights)])
+    return torch.cat([exported(*inputs) for inputs in zip(bins, lights, strict=True)])
 
 
 def training(network: SetNetwork, state: dict, binary: str) -> tuple[dict, list[float]]:

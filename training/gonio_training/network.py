@@ -6,11 +6,9 @@ light is known, every bin is told where its direction lies to it.
 """
 
 import torch
-import torch.nn.functional as F
 from torch import nn
 
 from .data import SLOTS
-
 
 # Values of a light: the unit vector to the sun, its colour where it reaches the surface, the sky's radiance.
 LIGHT = 9
@@ -27,7 +25,10 @@ def to_light(direction: torch.Tensor, rgb: torch.Tensor, light: torch.Tensor) ->
     half = half / torch.sqrt((half * half).sum(-1, keepdim=True) + 1e-9)
     cos = sun[:, :, 2:].clamp(min=0.0)
     white = colour * cos + sky
-    dot = lambda a, b: (a * b).sum(-1, keepdim=True)
+
+    def dot(a: torch.Tensor, b: torch.Tensor) -> torch.Tensor:
+        return (a * b).sum(-1, keepdim=True)
+
     everywhere = torch.zeros_like(direction[:, :, :1]) + torch.cat([cos, colour.mean(-1, keepdim=True), sky], -1)
     matt = (rgb / (white + 0.02)).clamp(max=4.0)
     return torch.cat([half[:, :, 2:], dot(direction, sun), dot(half, sun), everywhere, matt], -1)

@@ -29,8 +29,11 @@ def timed(model: Path, maps: np.ndarray, lights: np.ndarray | None = None, threa
     options = onnxruntime.SessionOptions()
     options.intra_op_num_threads = threads
     session = onnxruntime.InferenceSession(str(model), options, providers=["CPUExecutionProvider"])
-    inputs = dict(zip([i.name for i in session.get_inputs()], (maps, lights)))
-    batch = lambda i: {name: values[i : i + 64] for name, values in inputs.items()}
+    inputs = dict(zip([i.name for i in session.get_inputs()], (maps, lights), strict=False))
+
+    def batch(i: int) -> dict[str, np.ndarray]:
+        return {name: values[i : i + 64] for name, values in inputs.items()}
+
     session.run(["mu"], batch(0))
     started = time.perf_counter()
     parts = [session.run(["mu"], batch(i))[0] for i in range(0, len(maps), 64)]

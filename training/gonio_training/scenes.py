@@ -65,7 +65,10 @@ def judge(gonio: str, scene: Path, folder: Path, infer: dict, light: dict) -> li
 
 def row(name: str, judged: list[dict]) -> str:
     """The mean over the cities."""
-    mean = lambda values: sum(values) / len(judged)
+
+    def mean(values: list[float]) -> float:
+        return sum(values) / len(judged)
+
     errors = " | ".join(f"{mean([j[key] for j in judged]):.4f}" for key in ("kd", "ks", "r"))
     same = mean([j["same_light"] for j in judged])
     suns = [mean([j["suns"][i] for j in judged]) for i in range(len(judged[0]["suns"]))]
@@ -104,7 +107,7 @@ def main() -> None:
         judged = [judge(args.gonio, scene, args.work.resolve() / scene.name / "run", infer, light) for scene in scenes]
         print(row(name, [city[0] for city in judged]), flush=True)
     # The trivial estimates are judged beside each, and are the same each time.
-    for trivial in zip(*(city[1:] for city in judged)):
+    for trivial in zip(*(city[1:] for city in judged), strict=False):
         print(row(trivial[0]["what"], trivial))
 
 

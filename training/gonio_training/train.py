@@ -5,6 +5,7 @@
 
 import argparse
 import csv
+import itertools
 import math
 import time
 from pathlib import Path
@@ -37,7 +38,10 @@ def errors(mu: torch.Tensor, truth: torch.Tensor) -> dict[str, float]:
 
 def doubted(light: torch.Tensor) -> torch.Tensor:
     """Lights [N, 9] as they are known: about right."""
-    about = lambda values, deviation: values * (1 + deviation * torch.randn_like(values[:, :1]))
+
+    def about(values: torch.Tensor, deviation: float) -> torch.Tensor:
+        return values * (1 + deviation * torch.randn_like(values[:, :1]))
+
     sun = F.normalize(light[:, :3] + DOUBT[0] * torch.randn_like(light[:, :3]), dim=1)
     return torch.cat([sun, about(light[:, 3:6], DOUBT[1]), about(light[:, 6:], DOUBT[2])], 1)
 
@@ -47,7 +51,7 @@ def groups(batch: Batch, lit: bool):
     device = batch.rgb.device
     # A GPU waits longer for the pieces than it works on the padding.
     sizes = (0, SLOTS) if device.type == "cuda" else SIZES
-    for low, high in zip(sizes, sizes[1:]):
+    for low, high in itertools.pairwise(sizes):
         part = ((batch.count > low) & (batch.count <= high)).nonzero().squeeze(1)
         if len(part) == 0:
             continue
@@ -126,7 +130,7 @@ def main() -> None:
         step += 1
         with torch.no_grad():
             blend = min(0.999, step / (step + 10))
-            for slow, fast in zip(average.parameters(), network.parameters()):
+            for slow, fast in zip(average.parameters(), network.parameters(), strict=True):
                 slow.lerp_(fast, 1 - blend)
         if step % 500 == 0 or step == steps:
             mu = predict(average, held_out)

@@ -5,7 +5,8 @@ for its last pooling, which is then dropped, its features being 2 x 6 already. T
 sigmoid. No dropout and no stochastic depth: the publication regularises by augmentation and weight decay.
 """
 
-from typing import Callable, NamedTuple
+from collections.abc import Callable
+from typing import NamedTuple
 
 import torch
 from torch import nn

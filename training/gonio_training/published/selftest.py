@@ -67,7 +67,7 @@ def augmenting_depends_on_seed_and_step_alone(spheres: Spheres) -> None:
     before, once, again, other = (first(spheres, 256) for _ in range(4))
     for batch, step in ((once, 7), (again, 7), (other, 8)):
         augment(batch, 1, step)
-    assert all(torch.equal(a, b) for a, b in zip(once, again))
+    assert all(torch.equal(a, b) for a, b in zip(once, again, strict=True))
     assert not torch.equal(once.maps, other.maps)
     assert torch.equal(once.materials, before.materials)
     assert once.maps.min() >= 0.0 and once.maps.max() <= 1.0

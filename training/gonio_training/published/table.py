@@ -36,7 +36,7 @@ def dense(results: dict[str, dict]) -> list[str]:
         line(["---"] * 9),
     ]
     for name, architecture in ARCHITECTURES.items():
-        published = [f"{p:{f}}" for p, f in zip(architecture.published or (), (".4f", ".4f", ".5f"))] or ["-"] * 3
+        published = [f"{p:{f}}" for p, f in zip(architecture.published or (), (".4f", ".4f", ".5f"), strict=False)] or ["-"] * 3
         here = ["-"] * 5
         if told := results.get(name):
             here = [*shown(told["filled_bins"]["all"], DENSE), f"{told['parameters']:,}", budget(told)]
