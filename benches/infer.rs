@@ -1,23 +1,23 @@
-//! Materials a second: the network on each engine, and the fit, on one thread and on two, at its own micro-batch. One element is one map; a second
-//! over elements a second is the time of one map. `ORT_DYLIB_PATH` names the library; without one, its half is left out.
-//! `GONIO_MODEL` names another model than the built-in one.
+//! Maps a second: the network on each engine, and the fit, on one thread and on two. One element is one map.
+//!
+//! `ORT_DYLIB_PATH` names an ONNX Runtime library; without one, only the built-in engine runs. `GONIO_MODEL` names another model
+//! than the built-in one. `GONIO_BINS` is the number of bins that a map fills, 16 if unset, the median of real scenes.
 #![expect(clippy::expect_used, reason = "a benchmark that cannot start should stop")]
 
 use std::path::Path;
 
 use criterion::{Criterion, SamplingMode, Throughput, criterion_group, criterion_main};
 use glam::Vec3;
-use gonio::model::{self, Backend, Estimate, Estimator, Fit, ModelSource};
-use gonio::scene::light::LocalLight;
-use gonio::scene::reflectance::{Bin, BinSum, FRONT_BINS, SparseMap};
+use gonio::internals::model::{self, Backend, Estimate, Estimator, Fit, ModelSource};
+use gonio::internals::scene::light::LocalLight;
+use gonio::internals::scene::reflectance::{Bin, BinSum, FRONT_BINS, SparseMap};
 
 const MAPS: usize = 512;
-/// Bins that a map fills; the median of real scenes.
-const FILLED: usize = 16;
 
 fn infer(criterion: &mut Criterion) {
     let name = std::env::var("GONIO_MODEL").unwrap_or_else(|_| model::BUILT_IN[0].name.into());
     let source = ModelSource::named(&name, Path::new(""));
+    let filled = std::env::var("GONIO_BINS").map_or(16, |n| n.parse().expect("a number of bins"));
     let library = std::env::var_os("ORT_DYLIB_PATH").is_some_and(|v| !v.is_empty());
     let backends = if library { &[Backend::Embedded, Backend::OnnxRuntime][..] } else { &[Backend::Embedded] };
     let load = |&backend: &Backend| -> (String, Box<dyn Estimator>) {
@@ -27,7 +27,7 @@ fn infer(criterion: &mut Criterion) {
     for (name, model) in backends.iter().map(load).chain([fit]) {
         let map = |i: usize| {
             let mut bins: Vec<_> =
-                (0..FILLED).map(|n| ((i * 37 + n * 211) % FRONT_BINS, 0.1 + 0.01 * n as f32)).collect();
+                (0..filled).map(|n| ((i * 37 + n * 211) % FRONT_BINS, 0.1 + 0.01 * n as f32)).collect();
             bins.sort_unstable_by_key(|bin| bin.0);
             SparseMap { bins: bins.into_iter().map(|(b, v)| (b as Bin, BinSum::one([v; 3], false))).collect() }
         };

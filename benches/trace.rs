@@ -7,10 +7,10 @@ use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use glam::{DVec2, DVec3, Vec3};
-use gonio::scene::Mesh;
-use gonio::scene::camera::{Camera, Model};
-use gonio::scene::pose::Pose;
-use gonio::trace::{Bvh, Hit, Ray, tile};
+use gonio::internals::scene::Mesh;
+use gonio::internals::scene::camera::{Camera, Lens};
+use gonio::internals::scene::pose::Pose;
+use gonio::internals::trace::{Bvh, Hit, Ray, tile};
 
 const TILE: u32 = 32;
 
@@ -52,15 +52,15 @@ fn frame(mesh: &Mesh) -> (Vec3, Vec<Vec<Vec3>>) {
     let size = f64::from(mesh.positions.iter().fold(0f32, |m, p| m.max(p.abs().max_element())));
     let eye = DVec3::new(0.1, -1.2, 1.2) * size;
     let pose = Pose::look_at(eye, DVec3::ZERO, DVec3::Z);
-    let model = Model::pinhole(DVec2::splat(1400.0), DVec2::new(768.0, 512.0));
-    let camera = Camera { width: 1536, height: 1024, model };
+    let lens = Lens::pinhole(DVec2::splat(1400.0), DVec2::new(768.0, 512.0));
+    let camera = Camera { width: 1536, height: 1024, lens };
     let ray = |x: u32, y: u32| {
         let pixel = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
         pose.to_world(camera.ray(pixel).unwrap()).as_vec3()
     };
     let order = tile::order(TILE, TILE);
     let tiles = (0..camera.height / TILE).flat_map(|y| (0..camera.width / TILE).map(move |x| (x * TILE, y * TILE)));
-    (eye.as_vec3(), tiles.map(|(x, y)| order.iter().map(|&(i, j)| ray(x + i, y + j)).collect()).collect())
+    (eye.as_vec3(), tiles.map(|(x, y)| order.iter().map(|at| ray(x + at.x, y + at.y)).collect()).collect())
 }
 
 fn bench(c: &mut Criterion) {

@@ -3,6 +3,7 @@
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    gonio::base::memory::return_what_is_freed();
-    gonio::cli::main(std::env::args_os()).into()
+    // SAFETY: no other thread runs yet.
+    unsafe { gonio::prepare_process() };
+    gonio::main(std::env::args_os()).into()
 }

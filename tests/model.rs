@@ -11,10 +11,10 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use glam::Vec3;
-use gonio::base::Result;
-use gonio::model::{self, Backend, Estimate, Estimator, Fit, ModelSource};
-use gonio::scene::light::LocalLight;
-use gonio::scene::reflectance::{Bin, BinSum, FRONT_BINS, Kind, SparseMap};
+use gonio::internals::base::Result;
+use gonio::internals::model::{self, Backend, Estimate, Estimator, Fit, ModelSource};
+use gonio::internals::scene::light::LocalLight;
+use gonio::internals::scene::reflectance::{Bin, BinSum, FRONT_BINS, Layout, SparseMap};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
@@ -147,7 +147,7 @@ fn built_in_models_keep_the_contract() {
     for built_in in model::BUILT_IN {
         let source = ModelSource::named(built_in.name, Path::new("/nowhere"));
         let model = load(&source, Backend::Embedded).unwrap();
-        model.contract().require(Kind::Lobe).unwrap();
+        model.contract().require(Layout::Lobe).unwrap();
         assert!(model.describe().starts_with(built_in.name), "{}", model.describe());
     }
 }
@@ -190,8 +190,8 @@ fn broken_contracts_are_refused_in_words() {
 #[test]
 fn a_model_of_the_other_kind_is_refused_where_it_matters() {
     let model = load(&tiny("sphere"), Backend::Embedded).unwrap();
-    assert_eq!(model.contract().kind, Kind::Sphere);
-    let said = model.contract().require(Kind::Lobe).unwrap_err().to_string();
+    assert_eq!(model.contract().kind, Layout::Sphere);
+    let said = model.contract().require(Layout::Lobe).unwrap_err().to_string();
     assert!(said.ends_with("gonio.kind is sphere, and a model of kind lobe is needed here"), "{said}");
 }
 
@@ -233,6 +233,15 @@ fn files_that_are_no_models_are_refused() {
         for length in (0..whole.len()).step_by(5) {
             refusal(&file(&folder, &whole[..length]), backend);
         }
+    }
+}
+
+#[test]
+fn a_weight_that_claims_more_than_it_holds_is_refused() {
+    for backend in backends() {
+        // 2^40 rows of 7 values, and a few bytes.
+        let said = refusal(&tiny("huge_weight"), backend);
+        assert!(said.contains("huge_weight.onnx") && said.contains("cannot run this model"), "{said}");
     }
 }
 

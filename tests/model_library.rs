@@ -4,8 +4,9 @@
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::time::Duration;
 
-use gonio::model::{self, Backend, ModelSource};
+use gonio::internals::model::{self, Backend, ModelSource};
 
 fn refusal(backend: Backend, library: &Path) -> String {
     let source = ModelSource::named(model::BUILT_IN[0].name, Path::new(""));
@@ -42,7 +43,7 @@ fn what_is_no_library_is_refused() {
 fn the_embedded_engine_asks_for_no_library() {
     let source = ModelSource::named(model::BUILT_IN[0].name, Path::new(""));
     let model = model::load(&source, Backend::Embedded, Some(Path::new("/nowhere/none.so"))).unwrap();
-    assert!(model.describe().ends_with("tract 0.23.9, built in"), "{}", model.describe());
+    assert!(model.describe().ends_with("rten 0.27.0, built in"), "{}", model.describe());
 }
 
 #[cfg(target_os = "linux")]
@@ -76,9 +77,23 @@ fn say_what_is_loaded() {
     let backend = std::env::var("BACKEND_UNDER_TEST").unwrap_or_default().parse().unwrap_or_default();
     let source = ModelSource::named(model::BUILT_IN[0].name, Path::new(""));
     match model::load(&source, backend, None) {
-        Ok(model) => println!("loaded: {}", model.describe()),
+        Ok(model) => {
+            println!("loaded: {}", model.describe());
+            let sessions = [model.session().unwrap(), model.session().unwrap()];
+            // Threads take their names, and end, a moment after they are told to.
+            (0..200).take_while(|_| engine_threads() != 3).for_each(|_| std::thread::sleep(Duration::from_millis(10)));
+            println!("threads of the engine: {}", engine_threads());
+            drop(sessions);
+        }
         Err(e) => println!("refused: {e}"),
     }
+}
+
+/// The number of this process's threads that belong to the built-in engine.
+fn engine_threads() -> usize {
+    let threads = std::fs::read_dir("/proc/self/task").into_iter().flatten().flatten();
+    let names = threads.filter_map(|t| std::fs::read_to_string(t.path().join("comm")).ok());
+    names.filter(|name| name.starts_with("rten")).count()
 }
 
 /// What a process says that finds these values of `ORT_DYLIB_PATH` and `LD_LIBRARY_PATH`.
@@ -88,10 +103,19 @@ fn said_with(backend: Backend, library: &Path, folder: &Path) -> String {
         .env("BACKEND_UNDER_TEST", backend.to_string())
         .env("ORT_DYLIB_PATH", library)
         .env("LD_LIBRARY_PATH", folder)
+        .env("RTEN_NUM_THREADS", "1")
         .output()
         .unwrap();
     assert!(output.status.success(), "{output:?}");
     String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn the_embedded_engine_has_one_thread_a_session() {
+    let said = said_with(Backend::Embedded, Path::new(""), Path::new(""));
+    // Two sessions, and one thread that the process keeps.
+    assert!(said.contains("threads of the engine: 3\n"), "{said}");
 }
 
 #[test]

@@ -1,5 +1,5 @@
-//! What reading an image is said to take, held against what this process is seen to hold while it reads one. Alone in its
-//! binary, so that nothing else is held beside it.
+//! Compares the need of an image with the memory that this process holds while it reads the image. The test is alone in
+//! its binary, so that nothing else is held beside it.
 #![cfg(target_os = "linux")]
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -8,13 +8,13 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::thread;
 use std::time::Duration;
 
-use gonio::base::memory;
-use gonio::codec::image::{Curve, Transfer, need, read_image, write_jpeg};
+use gonio::internals::base::memory;
+use gonio::internals::codec::images::{Curve, Size, Transfer, need, read_image, write_jpeg};
 use image::{DynamicImage, ImageBuffer, Luma, Rgb, Rgba};
 
-const SIZE: (u32, u32) = (2400, 1800);
+const SIZE: Size = Size { width: 2400, height: 1800 };
 
-/// What comes and goes between two looks is missed, and blocks that were free before are taken again.
+/// Memory that comes and goes between two looks is missed, and blocks that were free before are taken again.
 const SLACK: u64 = 2 << 20;
 
 fn noise(x: u32, y: u32) -> [u8; 3] {
@@ -22,7 +22,7 @@ fn noise(x: u32, y: u32) -> [u8; 3] {
     [v as u8, (v >> 9) as u8, (v >> 18) as u8]
 }
 
-/// Runs something and gives the most anonymous memory that was held beyond what was held before.
+/// Runs `work`, and gives the most anonymous memory that was held beyond what was held before.
 fn grown(work: impl FnOnce()) -> u64 {
     memory::trim();
     let before = memory::resident().unwrap();
@@ -41,7 +41,7 @@ fn grown(work: impl FnOnce()) -> u64 {
 }
 
 fn write(path: &Path) {
-    let (w, h) = SIZE;
+    let Size { width: w, height: h } = SIZE;
     let rgb = ImageBuffer::from_fn(w, h, |x, y| Rgb(noise(x, y)));
     match path.file_stem().unwrap().to_str().unwrap() {
         "photo" => {

@@ -1,5 +1,4 @@
-//! A height field of any number of triangles and one photograph of it: what a mesh takes to load and to prepare, and little
-//! else.
+//! A height field of any number of triangles and one photograph of it: a scene whose cost is that of its mesh.
 
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Error, Write};
@@ -7,29 +6,29 @@ use std::path::Path;
 use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
-use gonio::codec::colmap::{self, Encoding};
-use gonio::codec::image::write_jpeg;
-use gonio::scene::camera::{Camera, Model};
-use gonio::scene::frame::Frame;
-use gonio::scene::pose::Pose;
+use gonio::internals::codec::images::write_jpeg;
+use gonio::internals::codec::poses::colmap::{self, Encoding};
+use gonio::internals::scene::camera::{Camera, Lens};
+use gonio::internals::scene::frame::Frame;
+use gonio::internals::scene::pose::Pose;
 
 /// Pixels of the photograph's edges.
 const SIZE: [u32; 2] = [640, 480];
 
-/// Writes mesh, photograph and model; nothing where they are there.
+/// Writes mesh, photograph and model, unless they are there.
 pub fn make(folder: &Path, triangles: u32) -> io::Result<()> {
     let model = folder.join("sparse/0");
     if model.exists() {
         return Ok(());
     }
     fs::create_dir_all(folder.join("images"))?;
-    let side = (f64::from(triangles) / 2.0).sqrt().round() as u32;
+    let side = (triangles / 2).isqrt();
     mesh(&folder.join("mesh.ply"), side)?;
     let [width, height] = SIZE;
     let grey = vec![[128; 3]; (width * height) as usize];
     write_jpeg(&folder.join("images/only.jpg"), &grey, width, height, 90).map_err(Error::other)?;
     let size = DVec2::new(f64::from(width), f64::from(height));
-    let camera = Camera { width, height, model: Model::pinhole(DVec2::splat(size.x), size * 0.5) };
+    let camera = Camera { width, height, lens: Lens::pinhole(DVec2::splat(size.x), size * 0.5) };
     let middle = DVec2::splat(0.5 * f64::from(side)).extend(0.0);
     let eye = middle + DVec3::Z * f64::from(side);
     let pose = Pose::look_at(eye, middle, DVec3::Y);
@@ -38,7 +37,7 @@ pub fn make(folder: &Path, triangles: u32) -> io::Result<()> {
     colmap::write_model(&model, &[frame], Encoding::Binary).map_err(Error::other)
 }
 
-/// A square of `side` by `side` cells, two triangles each, with hills and blocks, never held.
+/// Writes a square of `side` by `side` cells, two triangles each, with hills and blocks, without holding it.
 fn mesh(path: &Path, side: u32) -> io::Result<()> {
     let mut out = BufWriter::with_capacity(1 << 20, File::create(path)?);
     let n = side + 1;

@@ -1,5 +1,5 @@
-//! Whole runs on cities of any size: wall time of each phase, peak of the memory that the system cannot take back, disk,
-//! and what a kill costs. Hours at full size, so it does nothing unless it is told what to run:
+//! Whole runs on cities of any size: wall time of each phase, peak of the memory that the system cannot take back, disk, and
+//! the cost of a kill. At full size a run takes hours, so the bench does nothing without options:
 //!
 //! ```text
 //! cargo bench --bench scale -- --work DIR --triangles 2000000 --frames 100,400,1600 --memory 3GiB
@@ -7,8 +7,9 @@
 //! cargo bench --bench scale -- --work DIR --triangles 40000000 --field --memory 8GiB
 //! ```
 //!
-//! One city of the most frames is made, kept in DIR and used again; fewer frames are spread over its flight.
-//! With `--field` there is one small frame over a height field: what the mesh alone takes. The table goes to standard output, and every figure as a line of JSON to `--out`.
+//! One city with the most frames is made and kept in DIR; runs with fewer frames spread them over its flight. With `--field`
+//! one small frame looks at a height field: the cost of the mesh alone. The table goes to standard output, and every figure
+//! as a line of JSON to `--out`.
 #![expect(clippy::print_stdout, clippy::print_stderr, reason = "a bench is a program")]
 
 mod field;
@@ -21,9 +22,10 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use clap::Parser;
-use gonio::codec::colmap::{self, Encoding};
-use gonio::scene::frame::Frame;
-use process::{Course, Ran, course, gonio};
+use gonio::internals::codec::poses::colmap::{self, Encoding};
+use gonio::internals::codec::poses::{self, COLMAP};
+use gonio::internals::scene::frame::Frame;
+use process::{Commits, Course, Ran, course, gonio};
 use serde_json::{Value, json};
 
 /// Whole runs on cities of any size.
@@ -32,7 +34,7 @@ struct Options {
     /// Given by cargo
     #[arg(long, hide = true)]
     bench: bool,
-    /// Where cities and runs go
+    /// The folder of cities and runs
     #[arg(long)]
     work: Option<PathBuf>,
     /// Triangles to aim at
@@ -50,10 +52,10 @@ struct Options {
     /// Rows of a photograph
     #[arg(long, default_value_t = 1200)]
     height: u32,
-    /// The limit
+    /// The memory limit of runs
     #[arg(long, default_value = "3GiB")]
     memory: String,
-    /// Threads
+    /// Threads of runs
     #[arg(long, default_value_t = 2)]
     threads: u32,
     /// Kills of a second run, spread over its time; of the only run, where --kill-after is given
@@ -62,7 +64,7 @@ struct Options {
     /// Seconds from a start to the kill
     #[arg(long, requires = "kills")]
     kill_after: Option<f64>,
-    /// Where a line of JSON is added for every run
+    /// The file that gets a line of JSON for every run
     #[arg(long)]
     out: Option<PathBuf>,
 }
@@ -91,26 +93,26 @@ fn main() -> io::Result<()> {
     options.frames.iter().try_for_each(|&frames| told(measure(&options, work, &city.input(work, frames)?)?))
 }
 
-/// What a run is made on.
+/// The inputs of a run.
 struct Input<'a> {
     /// The folder with mesh and photographs.
     scene: PathBuf,
-    /// Their poses.
+    /// The COLMAP model with the poses.
     model: PathBuf,
     frames: u32,
-    /// What making it took.
+    /// The making of the city.
     made: Option<&'a Ran>,
 }
 
-/// A city that runs are made on.
+/// The city of all runs.
 struct City {
     folder: PathBuf,
-    /// What making it took, if it was not there.
+    /// The making of the city.
     made: Ran,
 }
 
 impl City {
-    /// Makes it, with as many frames as the largest run wants.
+    /// Makes the city with the frames of the largest run.
     fn make(options: &Options, work: &Path) -> io::Result<City> {
         let Options { triangles, width, height, .. } = options;
         let frames = options.frames.iter().max().copied().unwrap_or(1);
@@ -120,9 +122,9 @@ impl City {
         Ok(City { folder, made })
     }
 
-    /// So many of its frames, spread over the flight.
+    /// The inputs of a run with this many frames, spread over the flight.
     fn input(&self, work: &Path, frames: u32) -> io::Result<Input<'_>> {
-        let all = colmap::read_model(&self.folder.join("sparse/0")).map_err(Error::other)?;
+        let all = poses::read(&COLMAP, &self.folder.join("sparse/0")).map_err(Error::other)?;
         let spread: Vec<Frame> = (0..frames as usize).map(|i| all[i * all.len() / frames as usize].clone()).collect();
         let model = work.join(format!("sparse-{frames}-of-{}", all.len()));
         fs::create_dir_all(&model)?;
@@ -131,7 +133,7 @@ impl City {
     }
 }
 
-/// Runs on a scene, and runs again with kills.
+/// Runs on a scene, and then again with kills.
 fn measure(options: &Options, work: &Path, input: &Input<'_>) -> io::Result<Value> {
     let Options { triangles, width, height, memory, threads, kills, .. } = options;
     let frames = input.frames;
@@ -150,7 +152,8 @@ fn measure(options: &Options, work: &Path, input: &Input<'_>) -> io::Result<Valu
     let mut figures = json!({
         "triangles": report["triangles"]["total"], "frames": frames, "size": [width, height], "memory": memory,
         "threads": threads, "city_seconds": input.made.map(|made| made.wall.as_secs_f64()),
-        "city_peak": input.made.map(|made| made.peak), "run": told(&whole), "disk": size(&folder)?, "report": report,
+        "city_peak": input.made.map(|made| made.peak), "run": told(&whole), "disk": size(&folder)?, "units": Commits::of(&folder).units,
+        "report": report,
     });
     if *kills > first_kills {
         let second = work.join(format!("killed-{name}"));

@@ -1,39 +1,39 @@
-//! The command as a process of its own, its memory looked at every few milliseconds, its phases timed by what it says.
+//! The command as a process of its own. Its memory is read every few milliseconds; its phases are timed by its events.
 
 use std::collections::BTreeMap;
 use std::fs;
 use std::io::{self, BufRead, BufReader, Error};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::thread::{self, sleep};
 use std::time::{Duration, Instant, SystemTime};
 
-use gonio::base::memory;
+use gonio::internals::base::memory;
 use serde_json::Value;
 
-/// How often the memory is looked at.
+/// The time between two readings of the memory.
 const EVERY: Duration = Duration::from_millis(5);
 
-/// What a process did.
+/// A process that has ended.
 pub struct Ran {
     command: String,
     status: ExitStatus,
-    /// From its start to its end.
+    /// The time from the start of the process to its end.
     pub wall: Duration,
-    /// The most bytes that the system could not have taken back: RssAnon and RssShmem together.
+    /// The most memory that the system could not take back, bytes: RssAnon and RssShmem together.
     pub peak: u64,
-    /// The phases, in order, each with the time from the one before to its end, or to the process's.
+    /// The phases in order, each with the time from the end of the phase before to its own end or the process's.
     pub phases: Vec<(String, Duration)>,
 }
 
 impl Ran {
-    /// Itself, if it did all that it was asked.
+    /// The process, if it succeeded.
     pub fn whole(self) -> io::Result<Ran> {
         if self.status.success() { Ok(self) } else { Err(Error::other(format!("{}: {}", self.command, self.status))) }
     }
 }
 
-/// Runs `gonio` with these arguments, separated by blanks; kills it after `limit`, if there is one.
+/// Runs `gonio` with these arguments, separated by blanks, and kills the process after `limit`, if there is one.
 pub fn gonio(args: &str, limit: Option<Duration>) -> io::Result<Ran> {
     let mut command = Command::new(env!("CARGO_BIN_EXE_gonio"));
     let started = Instant::now();
@@ -49,7 +49,7 @@ pub fn gonio(args: &str, limit: Option<Duration>) -> io::Result<Ran> {
     Ok(Ran { command: format!("gonio {args}"), status, wall, peak, phases })
 }
 
-/// Waits for the end, and gives it with the peak of the memory.
+/// Waits for the end of a process, and gives exit status and peak memory.
 fn watch(child: &mut Child, started: Instant, limit: Option<Duration>) -> io::Result<(ExitStatus, u64)> {
     let mut peak = 0;
     loop {
@@ -66,7 +66,7 @@ fn watch(child: &mut Child, started: Instant, limit: Option<Duration>) -> io::Re
     }
 }
 
-/// When each phase ended, and which one was running last.
+/// The end of each phase, and the phase that was running last.
 fn listen(said: impl BufRead, started: Instant) -> (Vec<(String, Duration)>, Option<String>) {
     let (mut ends, mut running) = (Vec::new(), None);
     for line in said.lines().map_while(Result::ok) {
@@ -83,20 +83,20 @@ fn listen(said: impl BufRead, started: Instant) -> (Vec<(String, Duration)>, Opt
     (ends, running)
 }
 
-/// A run to its end, however often it was killed.
+/// A run to its end, however often its process was killed.
 #[derive(Default)]
 pub struct Course {
-    /// All of its time.
+    /// The time of all its processes.
     pub wall: Duration,
-    /// The largest peak.
+    /// The largest peak of the memory.
     pub peak: u64,
     /// The time of each phase.
     pub phases: BTreeMap<String, Duration>,
-    /// What each kill cost: what was not committed yet, and the time until the work went on.
+    /// The cost of each kill: the time of the work not yet committed, and the time until the work went on.
     pub lost: Vec<Duration>,
 }
 
-/// Runs `gonio run` in `folder` to its end, killed so often, each time after so long.
+/// Runs `gonio run` in `folder` to its end. The first `kills` processes are killed, each after this long.
 pub fn course(args: &str, folder: &Path, kills: u32, after: Duration) -> io::Result<Course> {
     let mut course = Course::default();
     let mut uncommitted = None;
@@ -114,8 +114,28 @@ pub fn course(args: &str, folder: &Path, kills: u32, after: Duration) -> io::Res
             ran.whole()?;
             return Ok(course);
         }
-        let committed = fs::metadata(folder.join("manifest.json")).and_then(|file| file.modified());
-        let since = committed.ok().and_then(|at| SystemTime::now().duration_since(at).ok());
+        let since = Commits::of(folder).last.and_then(|at| SystemTime::now().duration_since(at).ok());
         uncommitted = Some(since.unwrap_or(ran.wall).min(ran.wall));
+    }
+}
+
+/// The units that a run has committed.
+#[derive(Default)]
+pub struct Commits {
+    /// The number of unit records.
+    pub units: u64,
+    /// The time of the last commit.
+    pub last: Option<SystemTime>,
+}
+
+impl Commits {
+    /// Reads the folder of a run: a file for each unit in `units/`, or one manifest of all units.
+    pub fn of(folder: &Path) -> Commits {
+        let records = fs::read_dir(folder.join("units")).into_iter().flatten().flatten().map(|entry| entry.path());
+        let records: Vec<PathBuf> = records.filter(|path| path.extension().is_some_and(|e| e == "json")).collect();
+        let modified = |path: &Path| fs::metadata(path).and_then(|file| file.modified()).ok();
+        let manifest = modified(&folder.join("manifest.json"));
+        let last = records.iter().filter_map(|path| modified(path)).chain(manifest).max();
+        Commits { units: records.len() as u64, last }
     }
 }

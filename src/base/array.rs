@@ -1,8 +1,8 @@
-//! Arrays that are held in memory, or that lie in bytes which are shared: those of a mapped file, which the system may
-//! drop and read again, and which no limit counts.
+//! Arrays that are held in memory, or that lie in shared bytes such as a mapped file, whose pages the system may drop and
+//! read again and no limit counts.
 //!
-//! Values are laid out as the machine has them. A view is checked once, when it is made: that it lies within the bytes and
-//! is whole. What does not stand where such values may, which no mapped file does, is copied.
+//! Values have the machine's layout. A view is checked once, when it is made: it must lie within the bytes and hold whole
+//! values. Values that are not aligned are copied; in a mapped file all are aligned.
 
 use std::fmt;
 use std::ops::{Deref, Range};
@@ -10,8 +10,8 @@ use std::sync::Arc;
 
 use bytemuck::Pod;
 
-/// Bytes that many arrays lie in. They must not change, nor move, as long as anybody has them.
-pub type SharedBytes = Arc<dyn AsRef<[u8]> + Send + Sync>;
+/// Bytes that several arrays lie in. The bytes must not change or move while anyone holds them.
+pub(crate) type SharedBytes = Arc<dyn AsRef<[u8]> + Send + Sync>;
 
 /// An array of plain values.
 pub struct Array<T>(Kept<T>);
@@ -22,7 +22,7 @@ enum Kept<T> {
 }
 
 impl<T> Array<T> {
-    /// Bytes of memory that it holds itself: none for a view.
+    /// Bytes of memory that the array holds itself: none for a view.
     pub fn held(&self) -> u64 {
         match &self.0 {
             Kept::Held(values) => (values.capacity() * size_of::<T>()) as u64,
@@ -32,10 +32,10 @@ impl<T> Array<T> {
 }
 
 impl<T: Pod> Array<T> {
-    /// The values that lie at `at`.
+    /// The values in the range `at` of `bytes`.
     ///
     /// # Errors
-    /// In words, if no such values can lie there.
+    /// In words, if the range is not within the bytes or does not hold whole values.
     pub fn view(bytes: &SharedBytes, at: Range<usize>) -> Result<Self, String> {
         let all = (**bytes).as_ref();
         let found = all
@@ -44,7 +44,7 @@ impl<T: Pod> Array<T> {
         match bytemuck::try_cast_slice::<u8, T>(found) {
             Ok(_) => Ok(Array(Kept::Shared { bytes: Arc::clone(bytes), at })),
             Err(_) if found.len() % size_of::<T>() != 0 => {
-                Err(format!("{} bytes are no whole number of values of {}", found.len(), size_of::<T>()))
+                Err(format!("{} bytes are not a whole number of values of {} bytes", found.len(), size_of::<T>()))
             }
             Err(_) => Ok(Array(Kept::Held(bytemuck::pod_collect_to_vec(found)))),
         }
@@ -93,6 +93,7 @@ impl<T: Pod + fmt::Debug> fmt::Debug for Array<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::base::convert::to_u8;
 
     /// Bytes that begin on a multiple of 16.
     #[repr(align(16))]
@@ -105,7 +106,7 @@ mod tests {
     }
 
     fn bytes() -> SharedBytes {
-        Arc::new(Aligned(std::array::from_fn(|i| i as u8)))
+        Arc::new(Aligned(std::array::from_fn(to_u8)))
     }
 
     #[test]
@@ -126,7 +127,7 @@ mod tests {
         for (at, words) in [
             (4..34, "there are 32"),
             (0..usize::MAX, "there are 32"),
-            (8..20, "12 bytes are no whole number of values of 8"),
+            (8..20, "12 bytes are not a whole number of values of 8 bytes"),
         ] {
             let refusal = Array::<u64>::view(&bytes(), at).unwrap_err();
             assert!(refusal.contains(words), "{refusal}");

@@ -1,22 +1,22 @@
-//! One error type for everything that can break a run. Faults of a pipeline file are not errors but a list
-//! (`pipeline::check`), and a bad frame is not an error but a skipped item.
+//! The one error type for everything that can break a run. Problems of a pipeline file are not errors but a list, and a bad
+//! frame is not an error but a skipped item.
 
 use std::path::{Path, PathBuf};
 
-/// The result of anything that can break a run.
+/// The result of work that can break a run.
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
-/// Why something could not be done, in words that a user can act on.
+/// Why something could not be done, in words that the user can act on.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// The operating system refused.
     #[error("cannot {verb} {}: {source}", path.display())]
     Io {
-        /// What was tried: "read", "create", "rename".
+        /// The attempt: "read", "create", "rename".
         verb: &'static str,
-        /// On which file.
+        /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The system's error.
         source: std::io::Error,
     },
     /// A file is not what its format says it should be.
@@ -24,7 +24,7 @@ pub enum Error {
     Malformed {
         /// The file.
         path: PathBuf,
-        /// Where in it, what was found, what is allowed.
+        /// Where in the file, what was found, what is allowed.
         found: String,
     },
     /// A request that cannot be met, whatever the files hold.
@@ -38,15 +38,15 @@ pub enum Error {
         /// The panic's own words.
         message: String,
     },
-    /// Asked to stop (SIGINT, SIGTERM); what was committed stays.
+    /// The run was asked to stop (SIGINT, SIGTERM); committed work stays.
     #[error("interrupted; the same command goes on from here")]
     Interrupted,
-    /// An error with the doing that it interrupted.
+    /// An error and what was being done.
     #[error("{doing}: {source}")]
     Context {
         /// What was being done.
         doing: String,
-        /// What went wrong.
+        /// The error.
         #[source]
         source: Box<Error>,
     },
@@ -59,22 +59,22 @@ impl Error {
         move |source| Error::Io { verb, path, source }
     }
 
-    /// A malformed file, in words.
+    /// A malformed file.
     pub fn malformed(path: impl AsRef<Path>, found: impl Into<String>) -> Error {
         Error::Malformed { path: path.as_ref().to_owned(), found: found.into() }
     }
 
-    /// An impossible request, in words.
+    /// A request that cannot be met.
     pub fn invalid(what: impl Into<String>) -> Error {
         Error::Invalid(what.into())
     }
 
-    /// The same error, with what was being done put before it.
+    /// The error with `doing` put before it.
     pub fn doing(self, doing: impl Into<String>) -> Error {
         Error::Context { doing: doing.into(), source: Box::new(self) }
     }
 
-    /// What went wrong, without what was being done.
+    /// The error without what was being done.
     fn cause(&self) -> &Error {
         match self {
             Error::Context { source, .. } => source.cause(),
@@ -82,18 +82,18 @@ impl Error {
         }
     }
 
-    /// The file that is not what its format says it should be, if that is what is wrong.
+    /// The file, if the error is a malformed file.
     pub fn malformed_file(&self) -> Option<&Path> {
         if let Error::Malformed { path, .. } = self.cause() { Some(path) } else { None }
     }
 
-    /// Whether a disk is full.
+    /// Whether the error is a full disk.
     pub fn is_disk_full(&self) -> bool {
         let full = [std::io::ErrorKind::StorageFull, std::io::ErrorKind::QuotaExceeded];
         matches!(self.cause(), Error::Io { source, .. } if full.contains(&source.kind()))
     }
 
-    /// Whether the run was asked to stop, rather than broken.
+    /// Whether the run was asked to stop and did not break.
     pub fn is_interrupt(&self) -> bool {
         matches!(self.cause(), Error::Interrupted)
     }

@@ -1,7 +1,7 @@
-//! What the process holds of the machine's memory, and giving back what it has freed.
+//! The memory that the process holds, and how freed memory goes back to the system.
 //!
-//! A limit on memory is a limit on what the operating system cannot take back: anonymous pages. Pages of mapped files do
-//! not count, since the system drops clean ones whenever it wants them.
+//! A limit on memory is a limit on anonymous pages, which the operating system cannot take back. Pages of mapped files do
+//! not count: the system drops clean pages whenever it needs memory.
 
 /// Bytes of anonymous memory that this process holds now; `None` where the system does not say.
 pub fn resident() -> Option<u64> {
@@ -18,11 +18,11 @@ pub fn anonymous(status: &str) -> Option<u64> {
     Some((kibibytes("RssAnon")? + kibibytes("RssShmem")?) << 10)
 }
 
-/// Sets up the allocator so that memory that is freed goes back to the system. To be called before there are threads.
+/// Sets up the allocator so that freed memory goes back to the system. Call it before there are threads.
 ///
-/// glibc keeps what threads free, in up to eight arenas a processor, and the more the larger the blocks that were freed.
-/// Set so, blocks of [`LARGE`] and above are mapped one by one and unmapped when freed, and what is kept of smaller ones
-/// is little.
+/// glibc keeps the memory that threads free, in up to eight arenas a processor, and keeps more the larger the freed blocks
+/// were. With these settings, blocks of [`LARGE`] and above are mapped one by one and unmapped when freed, and little is
+/// kept of smaller blocks.
 pub fn return_what_is_freed() {
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
     for (parameter, value) in [
@@ -36,7 +36,7 @@ pub fn return_what_is_freed() {
     }
 }
 
-/// Gives back what the allocator keeps of small blocks. Cheap enough between phases, not between items.
+/// Gives the small blocks that the allocator keeps back to the system. Cheap enough between phases, not between items.
 pub fn trim() {
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
     // SAFETY: malloc_trim takes the allocator's locks and touches only pages that nothing lives in.
@@ -45,12 +45,12 @@ pub fn trim() {
     }
 }
 
-/// Blocks of this size, in bytes, and larger ones are the system's again once they are freed. Inference allocates many
-/// smaller ones for every map, and those are worth keeping.
+/// Freed blocks of this size, in bytes, and above go back to the system. Inference allocates many smaller blocks for every
+/// map, which are worth keeping.
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
 const LARGE: libc::c_int = 1 << 20;
 
-/// Arenas: threads that allocate small blocks at once seldom wait for each other, and each keeps little.
+/// Number of arenas: few, so that little is kept; enough that threads seldom wait for each other.
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
 const ARENAS: libc::c_int = 4;
 

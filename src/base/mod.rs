@@ -1,13 +1,17 @@
-//! What every floor stands on: errors, ids, sets of them, units, content keys, arrays, the process's memory.
+//! The ground floor: errors, ids, sets of triangles, conversions between numbers, units, content keys, arrays, the names of the
+//! phases, and the memory of the process.
 
-pub mod array;
+pub(crate) mod array;
 mod bits;
-pub mod error;
-pub mod ids;
-pub mod key;
-pub mod memory;
-pub mod units;
+pub(crate) mod convert;
+pub(crate) mod error;
+pub(crate) mod ids;
+pub(crate) mod key;
+pub(crate) mod memory;
+pub(crate) mod phase;
+pub(crate) mod units;
 
-pub use array::Array;
-pub use bits::Bits;
+pub(crate) use array::Array;
+pub(crate) use bits::Bits;
 pub use error::{Error, Result};
+pub use phase::PhaseName;

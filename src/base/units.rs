@@ -3,6 +3,8 @@
 use std::fmt;
 use std::str::FromStr;
 
+use super::convert::Cut;
+
 /// A number of bytes, written with a binary suffix: `512MiB`, `3GiB`, `1.5 GiB`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
 pub struct Bytes(pub u64);
@@ -20,7 +22,8 @@ impl FromStr for Bytes {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let wrong = || format!("{text:?} is no size: write a number and one of B, KiB, MiB, GiB, TiB, as in \"3GiB\"");
+        let wrong =
+            || format!("{text:?} is not a size: write a number and one of B, KiB, MiB, GiB, TiB, as in \"3GiB\"");
         let trimmed = text.trim();
         let (digits, scale) =
             SUFFIXES.iter().find_map(|&(s, n)| trimmed.strip_suffix(s).map(|d| (d.trim(), n))).ok_or_else(wrong)?;
@@ -29,7 +32,7 @@ impl FromStr for Bytes {
         if !bytes.is_finite() || bytes < 0.0 || bytes >= (1u64 << 63) as f64 {
             return Err(wrong());
         }
-        Ok(Bytes(bytes as u64))
+        Ok(Bytes(u64::cut(bytes)))
     }
 }
 

@@ -1,8 +1,8 @@
-//! The scene cache: mesh, hierarchy and neighbours, made once and mapped from then on. A run that goes on casts as soon
-//! as the file has been checked, and what is mapped is the system's to drop and read again.
+//! The scene cache: mesh, hierarchy and neighbours in one file, written once and mapped from then on. A resumed run casts
+//! as soon as the file is checked, and the system may drop mapped pages and read them again.
 //!
-//! A sealed file (`disk::sealed`) whose body is six arrays, each beginning on a multiple of 64 bytes, zeros between them,
-//! and a table. Numbers are little endian.
+//! The cache is a sealed file (`disk::sealed`). Its body is six arrays, each beginning on a multiple of 64 bytes with zeros
+//! before it, and a table. Numbers are little endian.
 //!
 //! ```text
 //! positions    [V, 3] f32   vertices, relative to the origin
@@ -10,7 +10,7 @@
 //! nodes        [N] 128 bytes   `trace::slab::Node`: lower corners [3, 4] f32, upper corners [3, 4] f32,
 //!                              children [4] u32, counts [4] u8, zeros
 //! leaves       [L] 40 bytes    `trace::triangle::Packed`: corners [3, 3] f32, triangle u32
-//! starts       [F + 1] u32  where the neighbours of each triangle start
+//! starts       [F + 1] u32  where each triangle's neighbours start
 //! neighbours   [M] u32      triangles
 //! table        bytes of each of the arrays, 6 u64; origin, 3 f64; scale of the hierarchy, f64;
 //!              triangles without area, u64; root of the hierarchy, u32; zeros, u32
@@ -18,17 +18,17 @@
 //!
 //! Invariants:
 //! - The bytes are a function of the mesh alone.
-//! - Writing holds the mesh, and of everything else only a part at a time ([`building`]).
-//! - A reader trusts nothing: the seal is checked over every byte, then every index and the shape of the tree, so that no
-//!   file, however it was made, can lead casting astray.
+//! - Writing holds the mesh, and of everything else one chunk at a time ([`building`]).
+//! - A reader trusts nothing: it checks the seal over every byte, then every index and the shape of the tree, so that no
+//!   file can lead casting astray.
 
 mod read;
 #[cfg(test)]
 mod tests;
 mod write;
 
-pub use read::open;
-pub use write::{building, write};
+pub(crate) use read::open;
+pub(crate) use write::{building, write};
 
 use crate::disk::Seal;
 use crate::scene::Mesh;
@@ -38,29 +38,29 @@ use crate::trace::Bvh;
 #[cfg(target_endian = "big")]
 compile_error!("the scene cache maps arrays of little-endian numbers");
 
-/// Version of the layout, and of the tree that is in it.
-pub const VERSION: u32 = 1;
+/// The version of the layout and of the tree in it.
+pub(crate) const VERSION: u32 = 1;
 
 const SEAL: Seal = Seal { magic: *b"GONIOSCN", version: VERSION, kind: "scene cache" };
 
-/// What the arrays begin on.
+/// Every array begins on a multiple of this many bytes.
 const LINE: usize = 64;
 
-/// How many arrays there are.
+/// The number of arrays.
 const ARRAYS: usize = 6;
 
 /// Bytes of the table.
 const TABLE: usize = 8 * (ARRAYS + 3 + 1 + 1) + 8;
 
-/// What a cache holds.
+/// The contents of a cache.
 #[derive(Debug, Clone)]
-pub struct Cached {
+pub(crate) struct Cached {
     /// The mesh.
     pub mesh: Mesh,
-    /// The hierarchy over it.
+    /// The hierarchy over the mesh.
     pub bvh: Bvh,
-    /// Which of its triangles touch.
+    /// The neighbours of each triangle.
     pub adjacency: Adjacency,
-    /// How many of its triangles have no area.
+    /// The number of triangles without area.
     pub degenerate: u64,
 }

@@ -3,6 +3,7 @@ use tempfile::TempDir;
 
 use super::*;
 use crate::base::Error;
+use crate::base::ids::TriangleId;
 use crate::disk::{DirStore, Store};
 use crate::trace::Ray;
 
@@ -24,14 +25,14 @@ fn store() -> (TempDir, DirStore) {
     (dir, store)
 }
 
-/// The file that `mesh` becomes.
+/// The bytes of the file that `mesh` becomes.
 fn written(mesh: &Mesh) -> Vec<u8> {
     let (_dir, store) = store();
     write(mesh, &store, "whole", &|| false).unwrap();
     store.open("whole").unwrap().to_vec()
 }
 
-/// What opening a file with these bytes says.
+/// The error from opening a file with these bytes.
 fn refusal(store: &DirStore, bytes: &[u8]) -> Option<String> {
     std::fs::write(store.path("torn"), bytes).unwrap();
     match open(store, "torn") {
@@ -41,7 +42,7 @@ fn refusal(store: &DirStore, bytes: &[u8]) -> Option<String> {
     }
 }
 
-/// The same body, mangled, under a seal that fits it.
+/// The error from a mangled body under a seal that fits.
 fn resealed(store: &DirStore, file: &[u8], mangle: impl FnOnce(&mut Vec<u8>)) -> Option<String> {
     let mut body = file[..file.len() - 24].to_vec();
     mangle(&mut body);
@@ -116,7 +117,7 @@ fn what_a_good_seal_covers_is_not_trusted_either() {
         (table, &u64::MAX.to_le_bytes().to_vec(), "its table wants"),
         (table, &12u64.to_le_bytes().to_vec(), "its arrays end"),
         (table + 48, &f64::INFINITY.to_le_bytes().to_vec(), "vertex"),
-        (table + 72, &3f64.to_le_bytes().to_vec(), "no power of two"),
+        (table + 72, &3f64.to_le_bytes().to_vec(), "not a power of two"),
         (table + 80, &u64::MAX.to_le_bytes().to_vec(), "without area"),
         (table + 88, &999u32.to_le_bytes().to_vec(), "it wants node 999"),
         (table + 92, &1u32.to_le_bytes().to_vec(), "there is no node"),
@@ -144,7 +145,7 @@ fn any_word_of_a_table_or_an_array_may_be_anything() {
             if said.is_none() {
                 // It is believed: then nothing that it is used for panics or goes on for ever.
                 let cached = open(&store, "torn").unwrap();
-                for t in 0..cached.mesh.len() as u32 {
+                for t in TriangleId::all(cached.mesh.len()) {
                     cached
                         .adjacency
                         .neighbours(t)
@@ -154,7 +155,7 @@ fn any_word_of_a_table_or_an_array_may_be_anything() {
                 for direction in directions {
                     let ray = Ray { origin: Vec3::Z * 5.0, direction };
                     if let Some(hit) = cached.bvh.nearest(&ray, f32::INFINITY) {
-                        assert!((hit.triangle as usize) < cached.mesh.len());
+                        assert!(hit.triangle.index() < cached.mesh.len());
                     }
                 }
             }

@@ -4,29 +4,31 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use super::{ARRAYS, LINE, SEAL, TABLE};
+use crate::base::convert::to_usize;
 use crate::base::{Error, Result};
 use crate::disk::{FileEntry, SealedWriter, Store};
 use crate::scene::Mesh;
 use crate::scene::adjacency::Adjacency;
-use crate::trace::build::Parts;
+use crate::trace::hierarchy::Chunks;
 
-/// Bytes of memory that writing takes besides the mesh, for this many triangles and vertices, at most.
-pub fn building(triangles: u64, vertices: u64) -> u64 {
-    let tree = Parts::BYTES_PER_TRIANGLE * triangles + Parts::BYTES.min(256 * triangles);
+/// The most memory that writing takes besides the mesh of this many triangles and vertices, bytes.
+pub(crate) fn building(triangles: u64, vertices: u64) -> u64 {
+    let tree = Chunks::BYTES_PER_TRIANGLE * triangles + Chunks::BYTES.min(256 * triangles);
     tree.max(Adjacency::building(triangles, vertices))
 }
 
-/// Makes what a mesh is cast with and writes it all under this name. `interrupted` is asked between the parts.
+/// Builds the hierarchy and the neighbours of a mesh, and writes all under this name. `interrupted` is asked between
+/// chunks.
 ///
 /// # Errors
-/// Anything that cannot be written; `Error::Interrupted` if so asked.
-pub fn write(mesh: &Mesh, store: &dyn Store, name: &str, interrupted: &dyn Fn() -> bool) -> Result<FileEntry> {
+/// The file cannot be written; `Error::Interrupted` where `interrupted` says so.
+pub(crate) fn write(mesh: &Mesh, store: &dyn Store, name: &str, interrupted: &dyn Fn() -> bool) -> Result<FileEntry> {
     let out = SEAL.create(store, name)?;
     let mut body = Body { out, path: store.path(name), at: 0, start: 0, lengths: Vec::new() };
     body.array(bytemuck::cast_slice(&mesh.positions))?;
     body.array(bytemuck::cast_slice(&mesh.triangles))?;
     let mut put = |bytes: &[u8]| if interrupted() { Err(Error::Interrupted) } else { body.put(bytes) };
-    let ordered = Parts::of(mesh).nodes(&mut put)?;
+    let ordered = Chunks::of(mesh).nodes(&mut put)?;
     body.end()?;
     ordered.triangles(&mut |bytes| body.put(bytes))?;
     body.end()?;
@@ -49,13 +51,15 @@ pub fn write(mesh: &Mesh, store: &dyn Store, name: &str, interrupted: &dyn Fn() 
     body.out.seal()
 }
 
-/// The body of the file, as far as it has come.
+/// The body of the file as far as it is written.
 struct Body {
     out: SealedWriter,
     path: PathBuf,
+    /// Bytes written so far.
     at: u64,
-    /// Where the array that is being written starts.
+    /// Where the current array starts.
     start: u64,
+    /// Bytes of each finished array.
     lengths: Vec<u64>,
 }
 
@@ -71,10 +75,10 @@ impl Body {
         Ok(())
     }
 
-    /// Ends an array: the next begins on a line of its own.
+    /// Ends an array, and pads to the start of the next.
     fn end(&mut self) -> Result<()> {
         self.lengths.push(self.at - self.start);
-        let pad = (self.at.next_multiple_of(LINE as u64) - self.at) as usize;
+        let pad = to_usize(self.at.next_multiple_of(LINE as u64) - self.at);
         self.put(&[0; LINE][..pad])?;
         self.start = self.at;
         Ok(())

@@ -1,11 +1,9 @@
 //! What was typed.
 
-use std::path::PathBuf;
-
 use clap::{Parser, Subcommand};
 
-use super::{eval, render, synth};
-use crate::base::ids::TriangleId;
+use super::ending::Answer;
+use super::{check, eval, explain, export, inspect, plan, render, run, synth};
 
 /// Recovers how every surface of a scene reflects light, from ordinary aerial photographs.
 ///
@@ -13,98 +11,55 @@ use crate::base::ids::TriangleId;
 /// 130 interrupted, and the same command goes on from there.
 #[derive(Debug, Parser)]
 #[command(name = "gonio", version)]
-pub struct Args {
-    /// What to do.
+pub(super) struct Args {
+    /// The command.
     #[command(subcommand)]
     pub command: Command,
 }
 
-/// What to do.
+/// A command. Each has its options and its work in a file of its own.
 #[derive(Debug, Subcommand)]
-pub enum Command {
+pub(super) enum Command {
     /// Run a pipeline, or go on where it was stopped
-    Run {
-        /// Which one.
-        #[command(flatten)]
-        pipeline: PipelineArgs,
-        /// Write events to standard output, one JSON object a line, and nothing else
-        #[arg(long)]
-        json: bool,
-    },
+    Run(run::Args),
     /// Find every problem of a pipeline file
-    Check {
-        /// Which one.
-        #[command(flatten)]
-        pipeline: PipelineArgs,
-    },
+    Check(check::Args),
     /// Say what a run will take: stages, workers, memory, disk and time
-    Plan {
-        /// Of which pipeline.
-        #[command(flatten)]
-        pipeline: PipelineArgs,
-    },
-    /// Say what the next run would do again, and which input or setting is the cause
-    Explain {
-        /// Of which pipeline.
-        #[command(flatten)]
-        pipeline: PipelineArgs,
-    },
+    Plan(plan::Args),
+    /// Say what the next run would do over, and which input or setting is the cause
+    Explain(explain::Args),
     /// Write what every pixel of a frame sees: triangle, position, normal, depth, uv, as one EXR
-    Buffers {
-        /// Of which pipeline.
-        #[command(flatten)]
-        pipeline: PipelineArgs,
-        /// The frame's name, as in the poses
-        #[arg(long, value_name = "NAME")]
-        frame: String,
-        /// The file to write
-        #[arg(long, value_name = "FILE.exr")]
-        out: PathBuf,
-    },
+    Buffers(inspect::BuffersArgs),
     /// Write the reflectance maps of triangles of a finished run
-    Maps {
-        /// Of which pipeline.
-        #[command(flatten)]
-        pipeline: PipelineArgs,
-        /// Their numbers in the mesh file, from 0, with commas
-        #[arg(long, value_name = "T,T,..", value_delimiter = ',', required = true)]
-        triangles: Vec<TriangleId>,
-        /// The file to write: .npz holds map [N,60,120,3] and count [N,60,120], .png shows them
-        #[arg(long, value_name = "FILE.npz|FILE.png")]
-        out: PathBuf,
-    },
+    Maps(inspect::MapsArgs),
     /// Make data with a known truth
     #[command(subcommand)]
     Synth(synth::Synth),
     /// Show a frame relit: the recovered materials under a sun of your choice, from where the photograph was taken
-    Render {
-        /// Of which pipeline.
-        #[command(flatten)]
-        pipeline: PipelineArgs,
-        /// How.
-        #[command(flatten)]
-        options: render::Options,
-    },
+    Render(render::Args),
     /// Measure how far an estimate is from the truth
     #[command(subcommand)]
     Eval(eval::Eval),
     /// Write the exports of a finished run again
-    Export {
-        /// Of which pipeline.
-        #[command(flatten)]
-        pipeline: PipelineArgs,
-    },
+    Export(export::Args),
 }
 
-/// A pipeline file and what is laid over it.
-#[derive(Debug, clap::Args)]
-pub struct PipelineArgs {
-    /// The pipeline file; pipelines/colmap.toml is one to copy
-    #[arg(value_name = "PIPELINE")]
-    pub file: PathBuf,
-    /// Set a key for this call; a path is then relative to the current folder
-    #[arg(long, value_name = "SECTION.KEY=VALUE")]
-    pub set: Vec<String>,
+impl Command {
+    /// Does what was asked.
+    pub(super) fn run(self) -> Answer {
+        match self {
+            Command::Run(args) => run::run(&args),
+            Command::Check(args) => check::check(&args),
+            Command::Plan(args) => plan::plan(&args),
+            Command::Explain(args) => explain::explain(&args),
+            Command::Buffers(args) => inspect::buffers(&args),
+            Command::Maps(args) => inspect::maps(&args),
+            Command::Synth(what) => synth::synth(what),
+            Command::Render(args) => render::render(&args),
+            Command::Eval(what) => eval::eval(&what),
+            Command::Export(args) => export::export(&args),
+        }
+    }
 }
 
 #[cfg(test)]
@@ -121,9 +76,9 @@ mod tests {
     #[test]
     fn overlays_follow_the_file() {
         let typed = "gonio maps p.toml --set a.b=1 --set c.d=x=y --triangles 1,22,333 --out m.npz";
-        let Command::Maps { pipeline, triangles, out } = Args::try_parse_from(typed.split(' ')).unwrap().command else {
+        let Command::Maps(maps) = Args::try_parse_from(typed.split(' ')).unwrap().command else {
             panic!("another command")
         };
-        assert_eq!((pipeline.set.len(), triangles, out), (2, vec![1, 22, 333], "m.npz".into()));
+        assert_eq!((maps.pipeline.set.len(), maps.triangles, maps.out), (2, vec![1, 22, 333], "m.npz".into()));
     }
 }

@@ -1,15 +1,32 @@
 //! What a run will take, as a table.
 
-use super::progress::{clock, short};
-use super::report::Lines;
+use super::ending::{Answer, Ending};
+use super::pipeline_args::PipelineArgs;
+use super::print::{Lines, clock, out, short};
 use crate::base::units::Bytes;
-use crate::disk::Room;
-use crate::pipeline::Foreseen;
+use crate::disk::Space;
+use crate::run::{self, Foreseen, PlannedPhase};
+
+/// Options of `plan`.
+#[derive(Debug, clap::Args)]
+pub(super) struct Args {
+    /// The pipeline.
+    #[command(flatten)]
+    pipeline: PipelineArgs,
+}
+
+/// Shows what a run will take, and refuses one that cannot work.
+pub(super) fn plan(args: &Args) -> Answer {
+    let foreseen = run::plan(&args.pipeline.load()?)?;
+    out(&table(&foreseen));
+    foreseen.works()?;
+    Ok(Ending::Done)
+}
 
 /// The plan as lines of text.
-pub fn table(Foreseen { plan, room, city, estimator }: &Foreseen) -> String {
+fn table(Foreseen { plan, space, city, estimator }: &Foreseen) -> String {
     let mut lines = Lines::default();
-    let i = &plan.inputs;
+    let i = &plan.facts;
     lines.row("frames", format!("{}, {} pixels", i.frames, short(i.pixels as f64)));
     lines.row("triangles", i.triangles.to_string());
     lines.row("estimator", format!("{estimator}, {:.3} ms a map", 1e3 * i.seconds_per_map));
@@ -18,16 +35,17 @@ pub fn table(Foreseen { plan, room, city, estimator }: &Foreseen) -> String {
     }
     lines.row("threads", i.threads.to_string());
     lines.add(format!("{:15}{:>9}{:>8}{:>12}{:>9}", "", "workers", "queue", "memory", "time"));
-    for phase in &plan.phases {
-        let peak = Bytes(phase.peak).to_string();
-        lines.add(format!("{:32}{peak:>12}{:>9}", phase.name, time(phase.seconds)));
-        if phase.held > 0 && !phase.stages.is_empty() {
-            lines.add(format!("  {:30}{:>12}", "held all along", Bytes(phase.held).to_string()));
+    for PlannedPhase { name, takes } in &plan.phases {
+        let held = i.process + takes.held;
+        let peak = Bytes(i.process + takes.peak()).to_string();
+        lines.add(format!("{:32}{peak:>12}{:>9}", name.as_str(), time(takes.seconds)));
+        if held > 0 && !takes.stages.is_empty() {
+            lines.add(format!("  {:30}{:>12}", "held throughout", Bytes(held).to_string()));
         }
-        if phase.mapped > 0 {
-            lines.add(format!("  {:30}{:>12} on top, the system's to drop", "mapped", Bytes(phase.mapped).to_string()));
+        if takes.mapped > 0 {
+            lines.add(format!("  {:30}{:>12} on top, the system's to drop", "mapped", Bytes(takes.mapped).to_string()));
         }
-        for stage in &phase.stages {
+        for stage in &takes.stages {
             let memory = if stage.memory > 0 { Bytes(stage.memory).to_string() } else { String::new() };
             let short = match stage.asked {
                 asked if asked > stage.workers => format!("  {} of {asked} workers: memory", stage.workers),
@@ -36,24 +54,25 @@ pub fn table(Foreseen { plan, room, city, estimator }: &Foreseen) -> String {
             lines.add(format!("  {:13}{:>9}{:>8}{memory:>12}{short}", stage.name, stage.workers, stage.queue));
         }
     }
-    let (too_large, needs) = i.too_large;
-    if too_large > 0 {
+    if i.too_large > 0 {
         lines.row(
             "skipped",
             format!(
-                "{too_large} of {} frames: reading one takes up to {}, too much for {}",
+                "{} of {} frames: reading one takes up to {}, too much for {}",
+                i.too_large,
                 i.frames,
-                Bytes(needs),
+                Bytes(i.too_large_needs),
                 plan.memory
             ),
         );
     }
-    let (peak, phase) = plan.peak();
-    lines.row("memory", format!("{} at most, in {phase}; the limit is {}", Bytes(peak), plan.memory));
+    if let Some((peak, phase)) = plan.peak() {
+        lines.row("memory", format!("{} at most, in {phase}; the limit is {}", Bytes(peak), plan.memory));
+    }
     if let Some(city) = city {
         lines.row("city", format!("about {}; {}", Bytes(city.needs), free(city)));
     }
-    lines.row("disk", disk(plan.disk.total(), room));
+    lines.row("disk", disk(plan.disk(), space));
     lines.row(
         "time",
         match plan.seconds() {
@@ -68,14 +87,14 @@ fn time(seconds: Option<f64>) -> String {
     seconds.map_or_else(|| "unknown".to_owned(), clock)
 }
 
-/// What the run leaves, what is still to be written, and the room for it.
-fn disk(total: u64, room: &Room) -> String {
+/// The bytes that the run leaves, those still to be written, and the space for them.
+fn disk(total: u64, space: &Space) -> String {
     let still =
-        if room.needs == total { String::new() } else { format!("{} still to be written; ", Bytes(room.needs)) };
-    format!("about {}; {still}{}", Bytes(total), free(room))
+        if space.needs == total { String::new() } else { format!("{} still to be written; ", Bytes(space.needs)) };
+    format!("about {}; {still}{}", Bytes(total), free(space))
 }
 
-fn free(room: &Room) -> String {
-    let bytes = room.free.map_or("unknown".to_owned(), |free| Bytes(free).to_string());
-    format!("{bytes} free for {}", room.folder.display())
+fn free(space: &Space) -> String {
+    let bytes = space.free.map_or("unknown".to_owned(), |free| Bytes(free).to_string());
+    format!("{bytes} free for {}", space.folder.display())
 }

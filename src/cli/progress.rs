@@ -7,14 +7,14 @@ use std::time::{Duration, Instant};
 use crossbeam_channel::{Receiver, RecvTimeoutError};
 use serde_json::{Value, json};
 
-use super::{err, out};
+use super::print::{clock, err, out, short};
+use crate::base::PhaseName;
 use crate::flow::{Meter, Reading, StopSignal};
-use crate::pipeline::Progress;
-use crate::pipeline::progress::{Phase, State, time_left};
+use crate::phases::{PhaseProgress, Progress, State, time_left};
 
 /// How progress is shown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Style {
+pub(super) enum Style {
     /// Lines on standard error, redrawn in place.
     Terminal,
     /// Lines on standard error, now and then.
@@ -35,7 +35,7 @@ impl Style {
 
 /// What is shown, and what was shown last.
 #[derive(Debug)]
-pub struct Show {
+pub(super) struct Show {
     style: Style,
     started: Instant,
     /// Lines on the terminal that the next ones replace.
@@ -48,12 +48,12 @@ pub struct Show {
 
 impl Show {
     /// Nothing shown yet.
-    pub fn new(style: Style) -> Self {
+    pub(super) fn new(style: Style) -> Self {
         Show { style, started: Instant::now(), drawn: 0, ended: 0, stopping: false, rates: Vec::new() }
     }
 
     /// Shows until the channel closes. Notes, ends of phases and a stop are told within a quarter of a second.
-    pub fn until(mut self, running: &Receiver<()>, progress: &Progress, stop: &StopSignal) {
+    pub(super) fn until(mut self, running: &Receiver<()>, progress: &Progress, stop: &StopSignal) {
         let mut shown = Instant::now();
         loop {
             let ended = running.recv_timeout(Style::Terminal.period()) != Err(RecvTimeoutError::Timeout);
@@ -79,7 +79,7 @@ impl Show {
             let words = "stopping: what is in flight is finished and committed; once more to stop at once";
             events.push((words.to_owned(), json!({ "event": "stopping" })));
         }
-        let ended: Vec<(String, Duration)> = progress
+        let ended: Vec<(PhaseName, Duration)> = progress
             .phases()
             .into_iter()
             .filter_map(|p| if let State::Done(took) = p.state { Some((p.name, took)) } else { None })
@@ -97,7 +97,7 @@ impl Show {
         }
     }
 
-    fn draw(&mut self, phases: &[Phase], now: Instant) {
+    fn draw(&mut self, phases: &[PhaseProgress], now: Instant) {
         let Some(phase) = phases.iter().find(|p| matches!(p.state, State::Running(_))) else { return };
         let left = time_left(phases, now);
         let rows = self.rows(phase, now);
@@ -128,7 +128,7 @@ impl Show {
         }
     }
 
-    fn rows(&mut self, phase: &Phase, now: Instant) -> Vec<Row> {
+    fn rows(&mut self, phase: &PhaseProgress, now: Instant) -> Vec<Row> {
         let stages: Vec<(&Meter, Reading)> = phase.meters.iter().map(|m| (&**m, m.read())).collect();
         self.rates.resize(stages.len(), Rate::default());
         let total = phase.meters.first().and_then(|m| m.total());
@@ -221,28 +221,10 @@ impl Row {
     }
 }
 
-fn headline(phase: &Phase, elapsed: Duration, left: Option<Duration>) -> String {
+fn headline(phase: &PhaseProgress, elapsed: Duration, left: Option<Duration>) -> String {
     let done = phase.done().map_or(String::new(), |share| format!(" {:.0}%", 100.0 * share));
     let left = left.map_or(String::new(), |left| format!(", about {} left in all", clock(left.as_secs_f64())));
     format!("{}{done}, {} so far{left}", phase.name, clock(elapsed.as_secs_f64()))
-}
-
-/// Seconds as people read them: `4.2 s`, `3:07`, `5:03:07`.
-pub fn clock(time: f64) -> String {
-    let seconds = time as u64;
-    match (seconds / 3600, seconds / 60 % 60, seconds % 60) {
-        (0, 0, _) => format!("{time:.1} s"),
-        (0, minutes, seconds) => format!("{minutes}:{seconds:02}"),
-        (hours, minutes, seconds) => format!("{hours}:{minutes:02}:{seconds:02}"),
-    }
-}
-
-/// A number as people read it, in at most six characters: `0.42`, `12.3`, `4.56 k`, `7.89 M`.
-pub fn short(number: f64) -> String {
-    let scaled = [(1e9, " G"), (1e6, " M"), (1e3, " k")].iter().find(|(scale, _)| number.abs() >= *scale);
-    let (value, suffix) = scaled.map_or((number, ""), |(scale, suffix)| (number / scale, *suffix));
-    let digits = if value.abs() >= 100.0 { 0 } else { usize::from(value.abs() < 10.0) + 1 };
-    format!("{value:.digits$}{suffix}")
 }
 
 #[cfg(test)]
@@ -264,19 +246,10 @@ mod tests {
 
     #[test]
     fn the_headline_says_how_long() {
-        let phase = Phase { name: "cast".into(), expected: Duration::ZERO, state: State::Waiting, meters: Vec::new() };
+        let (name, state) = (PhaseName::Cast, State::Waiting);
+        let phase = PhaseProgress { name, expected: Duration::ZERO, state, meters: Vec::new() };
         let line = headline(&phase, Duration::from_secs(187), Some(Duration::from_secs(18_187)));
         insta::assert_snapshot!(line, @r#"cast, 3:07 so far, about 5:03:07 left in all"#);
-    }
-
-    #[test]
-    fn numbers_are_short() {
-        let cases =
-            [(0.0, "0.00"), (0.424, "0.42"), (12.34, "12.3"), (123.4, "123"), (4560.0, "4.56 k"), (7.9e8, "790 M")];
-        for (number, text) in cases {
-            assert_eq!(short(number), text);
-        }
-        assert_eq!(clock(4.2), "4.2 s");
     }
 
     #[test]

@@ -2,16 +2,15 @@
 
 use std::fmt::Write;
 
-use super::progress::{clock, short};
+use super::print::{Lines, clock, short};
 use crate::base::units::Bytes;
-use crate::pipeline::Report;
-use crate::pipeline::report::Stage;
+use crate::phases::{Report, StageReport};
 
 /// Skipped items that are listed; `report.json` has all.
 const LISTED: usize = 20;
 
 /// The report as lines of text.
-pub fn table(report: &Report) -> String {
+pub(super) fn table(report: &Report) -> String {
     let mut lines = Lines::default();
     let (f, t) = (&report.frames, &report.triangles);
     for item in report.skipped.iter().take(LISTED) {
@@ -39,7 +38,7 @@ pub fn table(report: &Report) -> String {
     lines.row("memory", format!("{} lent at most", Bytes(report.memory_peak)));
     lines.row("time", clock(report.seconds));
     for phase in &report.phases {
-        lines.add(format!("  {:13}{:>8}", phase.name, clock(phase.seconds)));
+        lines.add(format!("  {:13}{:>8}", phase.name.as_str(), clock(phase.seconds)));
         report.stages.iter().filter(|s| s.phase == phase.name).for_each(|stage| lines.add(line(stage)));
     }
     if let Some(stage) = report.bottleneck() {
@@ -52,7 +51,7 @@ pub fn table(report: &Report) -> String {
     lines.finish()
 }
 
-fn line(stage: &Stage) -> String {
+fn line(stage: &StageReport) -> String {
     let all = stage.busy + stage.waiting_for_input + stage.waiting_for_output;
     let share = |seconds: f64| if all > 0.0 { 100.0 * seconds / all } else { 0.0 };
     format!(
@@ -67,46 +66,22 @@ fn line(stage: &Stage) -> String {
     )
 }
 
-/// A table, line after line.
-#[derive(Default)]
-pub struct Lines(String);
-
-impl Lines {
-    /// Adds a line.
-    pub fn add(&mut self, line: impl AsRef<str>) {
-        self.0.push_str(line.as_ref());
-        self.0.push('\n');
-    }
-
-    /// Adds a line that begins with a name.
-    pub fn row(&mut self, name: &str, text: String) {
-        self.add(format!("{name:15}{text}"));
-    }
-
-    /// The lines, without the last break.
-    pub fn finish(mut self) -> String {
-        self.0.pop();
-        self.0
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::pipeline::report::{Frames, Item, Phase, Shards, Triangles};
+    use crate::base::PhaseName;
+    use crate::flow::{Meter, Skipped};
+    use crate::phases::{FrameCounts, PhaseReport, ShardCounts, TriangleCounts};
 
     #[test]
     fn the_table_says_it_all() {
-        let stage = |name: &str, workers, busy, waiting_for_input, waiting_for_output| Stage {
-            phase: "cast".into(),
-            name: name.into(),
-            workers,
+        let stage = |name: &str, workers, busy, waiting_for_input, waiting_for_output| StageReport {
             busy,
             waiting_for_input,
             waiting_for_output,
-            ..Stage::default()
+            ..StageReport::of(PhaseName::Cast, &Meter::new(name, workers, 1, None))
         };
-        let item = |n: u32| Item {
+        let item = |n: u32| Skipped {
             item: format!("{n:02}.jpg"),
             why: "it ends early".into(),
             replay: format!("gonio buffers p.toml --frame {n:02}.jpg --out b.exr"),
@@ -114,16 +89,19 @@ mod tests {
         let report = Report {
             gonio: "0.1.0".into(),
             seconds: 75.25,
-            frames: Frames { total: 60, cast: 30, resumed: 8, skipped: 22 },
+            frames: FrameCounts { total: 60, cast: 30, resumed: 8, skipped: 22 },
             rays: 64_800_000,
             observations: 52_100_000,
             records: 1_230_000,
-            shards: Shards { total: 13, inferred: 4, resumed: 9 },
-            triangles: Triangles { total: 50_123, degenerate: 3, seen: 45_000, filled: 5_000, empty: 123 },
+            shards: ShardCounts { total: 13, inferred: 4, resumed: 9 },
+            triangles: TriangleCounts { total: 50_123, degenerate: 3, seen: 45_000, filled: 5_000, empty: 123 },
             segment_bytes: 12_345_678,
             memory_peak: 3 << 29,
-            backend: "gonio-lobe-small on tract 0.23.9".into(),
-            phases: vec![Phase { name: "load".into(), seconds: 2.25 }, Phase { name: "cast".into(), seconds: 73.0 }],
+            backend: "gonio-lobe-small on rten 0.27.0".into(),
+            phases: vec![
+                PhaseReport { name: PhaseName::Load, seconds: 2.25 },
+                PhaseReport { name: PhaseName::Cast, seconds: 73.0 },
+            ],
             stages: vec![stage("decode", 2, 30.0, 1.0, 100.0), stage("cast", 2, 140.0, 5.0, 1.0)],
             skipped: (0..22).map(item).collect(),
             outputs: vec!["work/export/scene.glb".into()],
@@ -138,7 +116,7 @@ mod tests {
     observations   52.1 M (1.23 M records, 11.8 MiB, 0.24 bytes each)
     shards         13 (4 inferred, 9 from before)
     triangles      50123 (45000 seen, 5000 filled, 123 without a material, 3 without area)
-    estimator      gonio-lobe-small on tract 0.23.9
+    estimator      gonio-lobe-small on rten 0.27.0
     memory         1.5 GiB lent at most
     time           1:15
       load            2.2 s

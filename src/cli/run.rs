@@ -6,17 +6,30 @@ use std::thread;
 use crossbeam_channel::bounded;
 use serde_json::json;
 
+use super::ending::{Answer, Ending};
+use super::pipeline_args::PipelineArgs;
+use super::print::{err, out};
 use super::progress::{Show, Style};
-use super::{Ending, err, out, report};
-use crate::base::{Error, Result};
+use super::report;
+use crate::base::Error;
 use crate::flow::{StopSignal, signal};
-use crate::pipeline::{self, Pipeline, Progress};
+use crate::phases::Progress;
+use crate::run::run as run_pipeline;
+
+/// Options of `run`.
+#[derive(Debug, clap::Args)]
+pub(super) struct Args {
+    /// The pipeline.
+    #[command(flatten)]
+    pipeline: PipelineArgs,
+    /// Write events to standard output, one JSON object a line, and nothing else
+    #[arg(long)]
+    json: bool,
+}
 
 /// Runs a pipeline and shows how far it is, then what came of it.
-///
-/// # Errors
-/// Whatever breaks the run.
-pub fn run(pipeline: &Pipeline, json: bool) -> Result<Ending> {
+pub(super) fn run(args: &Args) -> Answer {
+    let (pipeline, json) = (args.pipeline.load()?, args.json);
     let (stop, progress) = (StopSignal::new(), Progress::new());
     let _listening = signal::listen(&stop)?;
     let style = match (json, std::io::stderr().is_terminal()) {
@@ -30,7 +43,7 @@ pub fn run(pipeline: &Pipeline, json: bool) -> Result<Ending> {
         let show = move || Show::new(style).until(&running, told, stopping);
         let shown = thread::Builder::new().name("progress".to_owned()).spawn_scoped(scope, show);
         let shown = shown.map_err(|why| Error::invalid(format!("cannot start a thread: {why}")))?;
-        let ran = pipeline::run(pipeline, &stop, &progress);
+        let ran = run_pipeline(&pipeline, &stop, &progress);
         drop(done);
         // A panic there must not take the run's result with it.
         shown.join().unwrap_or_else(|_| err("gonio: the display of progress failed"));
@@ -47,8 +60,8 @@ pub fn run(pipeline: &Pipeline, json: bool) -> Result<Ending> {
         }
         (Err(why), true) => {
             out(&json!({ "event": "failed", "interrupted": why.is_interrupt(), "why": why.to_string() }).to_string());
-            Err(why)
+            Err(why.into())
         }
-        (Err(why), false) => Err(why),
+        (Err(why), false) => Err(why.into()),
     }
 }

@@ -5,18 +5,19 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand, ValueEnum};
 
-use super::{Ending, err, out};
-use crate::base::{Error, Result};
-use crate::codec::npy;
+use super::ending::{Answer, Ending};
+use super::print::{err, out};
+use crate::base::Error;
+use crate::codec::tables::npy;
 use crate::disk::write_atomic;
 use crate::flow::{StopSignal, signal};
 use crate::synth::city::{self, CityConfig};
-use crate::synth::sparse;
-use crate::synth::spheres::{self, Picture, Published, Samples};
+use crate::synth::sparse::{self, Prior};
+use crate::synth::spheres::{Camera, Layout, Published, Samples};
 
-/// What is made.
+/// The data to make.
 #[derive(Debug, Subcommand)]
-pub enum Synth {
+pub(super) enum Synth {
     /// A small town with its photographs, a COLMAP model, a mesh, and the material of every triangle
     City(City),
     /// Dense reflectance maps of rendered materials: maps.npy [N,3,60,120], materials.npy [N,7], lights.npy [N,3], and
@@ -28,8 +29,8 @@ pub enum Synth {
 
 /// Options of `synth city`.
 #[derive(Debug, Args)]
-pub struct City {
-    /// The folder to make it in: new, empty, or with a city in it
+pub(super) struct City {
+    /// The folder to make the city in: new, empty, or with a city in it
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     /// Seed of everything random
@@ -60,20 +61,20 @@ pub struct City {
 
 /// Options of `synth spheres`.
 #[derive(Debug, Args)]
-pub struct Spheres {
+pub(super) struct Spheres {
     /// A whole training set: 606,000 sphere maps in train, validation and test, f16, 25 GB
     #[arg(long, value_enum, conflicts_with_all = ["kind", "count", "materials", "lights", "views"])]
     preset: Option<Preset>,
-    /// What a bin of a map is
-    #[arg(long, value_enum, required_unless_present = "preset")]
-    kind: Option<Kind>,
-    /// How many maps
+    /// The layout of the maps
+    #[arg(id = "kind", long = "kind", value_name = "KIND", value_enum, required_unless_present = "preset")]
+    layout: Option<MapLayout>,
+    /// The number of maps
     #[arg(long, required_unless_present = "preset")]
     count: Option<usize>,
-    /// What looks at a sphere [default: orthographic; of a preset: perspective]
+    /// The camera that looks at a sphere [default: orthographic; of a preset: perspective]
     #[arg(long, value_enum)]
     camera: Option<Camera>,
-    /// Seed of what is not given
+    /// Seed of the materials, lights and views that are not given
     #[arg(long, default_value_t = 1)]
     seed: u64,
     /// Materials to render, .npy [N,7]
@@ -82,7 +83,7 @@ pub struct Spheres {
     /// Unit vectors to the light in the map's frame, .npy [N,3]
     #[arg(long, value_name = "FILE.npy")]
     lights: Option<PathBuf>,
-    /// Unit vectors to the camera in the map's frame, .npy [N,3]; of spheres only
+    /// Unit vectors to the camera in the map's frame, .npy [N,3]; only for spheres
     #[arg(long, value_name = "FILE.npy")]
     views: Option<PathBuf>,
     /// The folder to write to
@@ -90,71 +91,32 @@ pub struct Spheres {
     out: PathBuf,
 }
 
-/// Sets that are made as a whole.
+/// The training sets that are made whole.
 #[derive(Debug, Clone, Copy, ValueEnum)]
 enum Preset {
-    /// The publication's: 24,000 materials from 24 sides under one light, and 30,000 maps of others to test with
+    /// The publication's set: 24,000 materials from 24 sides under one light, and 30,000 maps of other materials for tests
     Published,
 }
 
-/// What looks at a sphere.
+/// A map's layout without the camera.
 #[derive(Debug, Clone, Copy, ValueEnum)]
-enum Camera {
-    /// From infinitely far away: half of the sphere is in sight
-    Orthographic,
-    /// From four radii: what is within 75.5 degrees of the axis is in sight
-    Perspective,
-}
-
-impl From<Camera> for spheres::Camera {
-    fn from(camera: Camera) -> Self {
-        match camera {
-            Camera::Orthographic => spheres::Camera::Orthographic,
-            Camera::Perspective => spheres::Camera::Perspective,
-        }
-    }
-}
-
-/// What a bin of a map is.
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum Kind {
-    /// A direction that one surface point sends light to
+enum MapLayout {
+    /// One surface point; a bin is a direction of reflection
     Lobe,
-    /// A normal of a unit sphere seen by one camera
+    /// A unit sphere seen by one camera; a bin is a normal
     Sphere,
-}
-
-/// Where samples come from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Prior {
-    /// Any material, any light
-    Uniform,
-    /// Materials as outdoors, the sun above the horizon
-    Outdoor,
-    /// The same light, half of the materials any
-    Mixed,
-}
-
-impl From<Prior> for sparse::Prior {
-    fn from(prior: Prior) -> sparse::Prior {
-        match prior {
-            Prior::Uniform => sparse::Prior::Uniform,
-            Prior::Outdoor => sparse::Prior::Outdoor,
-            Prior::Mixed => sparse::Prior::Mixed,
-        }
-    }
 }
 
 /// Options of `synth bins`.
 #[derive(Debug, Args)]
-pub struct Bins {
-    /// How many samples
+pub(super) struct Bins {
+    /// The number of samples
     #[arg(long)]
     count: u64,
-    /// From what their materials and lights are drawn
+    /// The distribution of materials and lights
     #[arg(long, value_enum, default_value_t = Prior::Uniform)]
     prior: Prior,
-    /// Their seed
+    /// Seed of the samples
     #[arg(long, default_value_t = 1)]
     seed: u64,
     /// The file to write, or - for standard output
@@ -162,11 +124,11 @@ pub struct Bins {
     out: PathBuf,
 }
 
-/// Makes it.
+/// Makes the data.
 ///
 /// # Errors
-/// Options out of range, anything that cannot be written, an interruption.
-pub fn synth(what: Synth) -> Result<Ending> {
+/// An option is out of range, a file cannot be written, or the command is interrupted.
+pub(super) fn synth(what: Synth) -> Answer {
     let stop = StopSignal::new();
     let _listening = signal::listen(&stop)?;
     let stopped = || stop.draining();
@@ -184,11 +146,11 @@ pub fn synth(what: Synth) -> Result<Ending> {
                 ..CityConfig::default()
             };
             let made = city::generate_if_needed(&c.out, &config, &stopped)?;
-            let was = if made.reused { "is there already" } else { "is made" };
-            out(&format!("{}: {} triangles, {} frames; it {was}", c.out.display(), made.triangles, made.frames));
+            let was = if made.reused { "there already" } else { "made" };
+            out(&format!("{}: {} triangles, {} frames; {was}", c.out.display(), made.triangles, made.frames));
         }
-        Synth::Spheres(s) => match s.kind {
-            Some(kind) => {
+        Synth::Spheres(s) => match s.layout {
+            Some(typed) => {
                 let samples = Samples {
                     count: s.count.unwrap_or_default(),
                     seed: s.seed,
@@ -196,22 +158,22 @@ pub fn synth(what: Synth) -> Result<Ending> {
                     lights: s.lights.as_deref().map(npy::read_rows).transpose()?,
                     views: s.views.as_deref().map(npy::read_rows).transpose()?,
                 };
-                let picture = match kind {
-                    Kind::Lobe => Picture::Lobe,
-                    Kind::Sphere => Picture::Sphere(s.camera.map(Into::into).unwrap_or_default()),
+                let layout = match typed {
+                    MapLayout::Lobe => Layout::Lobe,
+                    MapLayout::Sphere => Layout::Sphere(s.camera.unwrap_or_default()),
                 };
-                samples.write(picture, &s.out, &stopped)?;
+                samples.write(layout, &s.out, &stopped)?;
             }
             None => {
-                let camera = s.camera.map_or(spheres::Camera::Perspective, Into::into);
+                let camera = s.camera.unwrap_or(Camera::Perspective);
                 Published::new(s.seed).write(camera, &s.out, &stopped)?;
             }
         },
         Synth::Bins(b) => {
-            let write = |to: &mut dyn io::Write| sparse::write(to, b.prior.into(), b.seed, b.count);
+            let write = |to: &mut dyn io::Write| sparse::write(to, b.prior, b.seed, b.count);
             if b.out == Path::new("-") {
                 match write(&mut io::stdout().lock()) {
-                    // Who reads the stream takes as many as they want.
+                    // The reader of the stream takes as many samples as it wants.
                     Err(why) if why.kind() == io::ErrorKind::BrokenPipe => {}
                     done => done.map_err(Error::io("write", "standard output"))?,
                 }

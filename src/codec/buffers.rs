@@ -1,4 +1,5 @@
-//! What every pixel of a frame sees, as one multi-channel OpenEXR file: the buffers B of the publication (section 4.2).
+//! The buffers of a frame: what each pixel sees, as one multi-channel OpenEXR file (the buffers B of the publication,
+//! section 4.2).
 //!
 //! | channel                   | type | meaning                                                                          |
 //! |---------------------------|------|----------------------------------------------------------------------------------|
@@ -8,8 +9,8 @@
 //! | `depth`                   | f32  | distance along the ray, in the mesh file's units                                 |
 //! | `u` `v`                   | f32  | the position projected into the image, pixels; (0.5, 0.5) is the first's centre  |
 //!
-//! Where nothing is seen, all but `triangle` are 0. The offset is zero, unless coordinates are so large that f32 would
-//! lose millimetres of them (UTM): then it is the mesh's origin. It is in the file as the attributes `offsetX`,
+//! Where nothing is seen, all channels but `triangle` are 0. The offset is zero, unless coordinates are so large that f32
+//! would lose their millimetres (UTM): then it is the mesh's origin. The file has the offset as the attributes `offsetX`,
 //! `offsetY`, `offsetZ` (f64).
 
 use std::path::Path;
@@ -20,11 +21,11 @@ use exr::prelude::{
 };
 use glam::{DVec2, DVec3, Vec3};
 
-use crate::base::ids::{NO_TRIANGLE, TriangleId};
+use crate::base::ids::TriangleId;
 use crate::base::{Error, Result};
 use crate::disk::write_atomic;
 
-/// Coordinates up to here keep their millimetres in f32.
+/// The largest coordinates that keep their millimetres in f32.
 const EXACT: f64 = 10_000.0;
 
 /// The names of the float channels, in the order of [`Buffers::set`].
@@ -33,7 +34,7 @@ const CHANNELS: [&str; 9] =
 
 /// The buffers of one frame.
 #[derive(Debug, Clone)]
-pub struct Buffers {
+pub(crate) struct Buffers {
     width: u32,
     height: u32,
     offset: DVec3,
@@ -43,16 +44,16 @@ pub struct Buffers {
 
 impl Buffers {
     /// Buffers of `width` x `height` pixels that see nothing yet of a mesh about `origin`.
-    pub fn new(width: u32, height: u32, origin: DVec3) -> Self {
+    pub(crate) fn new(width: u32, height: u32, origin: DVec3) -> Self {
         let len = width as usize * height as usize;
         let offset = if origin.abs().max_element() < EXACT { DVec3::ZERO } else { origin };
         let floats = CHANNELS.map(|_| vec![0.0; len]);
-        Buffers { width, height, offset, triangle: vec![NO_TRIANGLE; len], floats }
+        Buffers { width, height, offset, triangle: vec![TriangleId::NONE.0; len], floats }
     }
 
-    /// What the pixel at `row * width + column` sees: a triangle, at a position in the mesh file's coordinates.
-    pub fn set(&mut self, pixel: usize, triangle: TriangleId, at: DVec3, normal: Vec3, depth: f32, uv: DVec2) {
-        self.triangle[pixel] = triangle;
+    /// Sets what the pixel at `row * width + column` sees: a triangle, at a position in the mesh file's coordinates.
+    pub(crate) fn set(&mut self, pixel: usize, triangle: TriangleId, at: DVec3, normal: Vec3, depth: f32, uv: DVec2) {
+        self.triangle[pixel] = triangle.0;
         let (p, uv) = ((at - self.offset).as_vec3(), uv.as_vec2());
         let values = [p.x, p.y, p.z, normal.x, normal.y, normal.z, depth, uv.x, uv.y];
         for (channel, value) in self.floats.iter_mut().zip(values) {
@@ -61,11 +62,11 @@ impl Buffers {
     }
 }
 
-/// Writes the buffers, compressed without loss, in place of what is there.
+/// Writes the buffers, compressed without loss, in place of the file that is there.
 ///
 /// # Errors
-/// Anything that cannot be written.
-pub fn write(path: &Path, buffers: Buffers) -> Result<()> {
+/// A file that cannot be written.
+pub(crate) fn write(path: &Path, buffers: Buffers) -> Result<()> {
     let Buffers { width, height, offset, triangle, floats } = buffers;
     let mut channels: SmallVec<_> = SmallVec::new();
     channels.push(AnyChannel::new("triangle", FlatSamples::U32(triangle)));
@@ -93,7 +94,7 @@ mod tests {
         let utm = DVec3::new(500_000.0, 5_800_000.0, 100.0);
         for (origin, x) in [(DVec3::ZERO, 500_001.25), (utm, 1.25)] {
             let mut buffers = Buffers::new(3, 2, origin);
-            buffers.set(4, 70_000_001, utm + DVec3::X * 1.25, Vec3::Z, 7.5, DVec2::new(1.5, 0.5));
+            buffers.set(4, TriangleId(70_000_001), utm + DVec3::X * 1.25, Vec3::Z, 7.5, DVec2::new(1.5, 0.5));
             let dir = tempfile::tempdir().unwrap();
             let path = dir.path().join("b.exr");
             write(&path, buffers).unwrap();
@@ -104,7 +105,8 @@ mod tests {
             };
             assert_eq!(layer.channel_data.list.len(), 10);
             let FlatSamples::U32(triangles) = channel("triangle") else { panic!("not uint") };
-            assert_eq!(triangles[..], [NO_TRIANGLE, NO_TRIANGLE, NO_TRIANGLE, NO_TRIANGLE, 70_000_001, NO_TRIANGLE]);
+            let none = TriangleId::NONE.0;
+            assert_eq!(triangles[..], [none, none, none, none, 70_000_001, none]);
             for (name, value) in [("position.X", x), ("normal.Z", 1.0), ("depth", 7.5), ("u", 1.5), ("v", 0.5)] {
                 let FlatSamples::F32(values) = channel(name) else { panic!("not f32") };
                 assert_eq!((values[3], values[4]), (0.0, value), "{name}");

@@ -6,26 +6,30 @@
 //!   blue where nothing was observed, a line of white between maps.
 
 use std::fs::File;
+use std::io::{BufWriter, Seek, Write};
 use std::path::Path;
 
-use ndarray::{Array3, Array4};
-use ndarray_npy::NpzWriter;
+use zip::result::ZipResult;
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, ZipWriter};
 
-use super::image;
+use super::images;
+use super::tables::npy;
+use crate::base::convert::to_u32;
 use crate::base::{Error, Result};
-use crate::scene::reflectance::{COLUMNS, ROWS, SparseMap};
+use crate::scene::reflectance::{BINS, COLUMNS, ROWS, SparseMap};
 
 /// The most maps in one file: 64 MB of a picture.
 const MOST: usize = 4096;
 
 /// What writes maps to a file.
-pub type Writer = fn(&Path, &[SparseMap]) -> Result<()>;
+pub(crate) type Writer = fn(&Path, &[SparseMap]) -> Result<()>;
 
 /// The writer that a file's name asks for.
 ///
 /// # Errors
 /// A name that ends in neither `.npz` nor `.png`.
-pub fn writer(out: &Path) -> Result<Writer> {
+pub(crate) fn writer(out: &Path) -> Result<Writer> {
     match out.extension().and_then(|e| e.to_str()) {
         Some("npz") => Ok(write_npz),
         Some("png") => Ok(write_png),
@@ -42,21 +46,28 @@ fn bounded(maps: &[SparseMap]) -> Result<()> {
 
 fn write_npz(out: &Path, maps: &[SparseMap]) -> Result<()> {
     bounded(maps)?;
-    let mut radiance = Array4::<f32>::zeros((maps.len(), ROWS, COLUMNS, 3));
-    let mut count = Array3::<u32>::zeros((maps.len(), ROWS, COLUMNS));
-    for (n, map) in maps.iter().enumerate() {
-        for (bin, sum) in &map.bins {
-            let (row, column) = (usize::from(*bin) / COLUMNS, usize::from(*bin) % COLUMNS);
-            for (c, value) in sum.mean().into_iter().enumerate() {
-                radiance[[n, row, column, c]] = value;
-            }
-            count[[n, row, column]] = sum.count;
-        }
+    let file = File::create(out).map_err(Error::io("create", out))?;
+    npz(BufWriter::new(file), maps).map_err(|why| Error::io("write", out)(why.into()))
+}
+
+fn npz(out: impl Write + Seek, maps: &[SparseMap]) -> ZipResult<()> {
+    let mut zip = ZipWriter::new(out);
+    let stored = SimpleFileOptions::default().compression_method(CompressionMethod::Stored);
+    zip.start_file("map.npy", stored)?;
+    zip.write_all(&npy::heading("<f4", &[maps.len(), ROWS, COLUMNS, 3])?)?;
+    for map in maps {
+        let mut radiance = vec![[[0; 4]; 3]; BINS];
+        map.bins.iter().for_each(|(bin, sum)| radiance[usize::from(*bin)] = sum.mean().map(f32::to_le_bytes));
+        zip.write_all(radiance.as_flattened().as_flattened())?;
     }
-    let mut npz = NpzWriter::new(File::create(out).map_err(Error::io("create", out))?);
-    let written = npz.add_array("map", &radiance).and_then(|()| npz.add_array("count", &count));
-    let finished = written.and_then(|()| npz.finish());
-    finished.map(drop).map_err(|why| Error::io("write", out)(std::io::Error::other(why)))
+    zip.start_file("count.npy", stored)?;
+    zip.write_all(&npy::heading("<u4", &[maps.len(), ROWS, COLUMNS])?)?;
+    for map in maps {
+        let mut count = vec![[0; 4]; BINS];
+        map.bins.iter().for_each(|(bin, sum)| count[usize::from(*bin)] = sum.count.to_le_bytes());
+        zip.write_all(count.as_flattened())?;
+    }
+    zip.finish().map(drop)
 }
 
 /// Pixels along a bin.
@@ -72,11 +83,65 @@ fn write_png(out: &Path, maps: &[SparseMap]) -> Result<()> {
         picture[..width * SHOWN * CELL].fill([16, 16, 48]);
         for (bin, sum) in &map.bins {
             let (row, column) = (usize::from(*bin) / COLUMNS * CELL, usize::from(*bin) % COLUMNS * CELL);
-            let color = sum.mean().map(image::to_srgb8);
+            let color = sum.mean().map(images::to_srgb8);
             for line in picture[row * width..].chunks_mut(width).take(CELL) {
                 line[column..column + CELL].fill(color);
             }
         }
     }
-    image::write_png(out, &pixels, width as u32, (step * maps.len()) as u32)
+    images::write_png(out, &pixels, to_u32(width), to_u32(step * maps.len()))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io;
+
+    use super::*;
+    use crate::scene::reflectance::BinSum;
+
+    #[test]
+    fn an_npz_holds_means_and_counts() {
+        let map = SparseMap { bins: vec![(7, BinSum::one([0.25, 0.5, 1.0], false))] };
+        let mut bytes = io::Cursor::new(Vec::new());
+        npz(&mut bytes, &[SparseMap::default(), map]).unwrap();
+        let bytes = bytes.into_inner();
+        let entry = |name: &str, header: &str, values: usize| {
+            let at = bytes.windows(name.len()).position(|w| w == name.as_bytes()).unwrap() + name.len();
+            let said = String::from_utf8_lossy(&bytes[at..at + 128]).into_owned();
+            assert!(said.contains(header), "{said}");
+            let values = bytes[at + 128..at + 128 + 4 * values].as_chunks::<4>().0;
+            let nonzero = values.iter().enumerate().filter(|(_, v)| **v != [0; 4]);
+            nonzero.map(|(i, v)| (i, u32::from_le_bytes(*v))).collect::<Vec<_>>()
+        };
+        let radiance = entry("map.npy", "'<f4', 'fortran_order': False, 'shape': (2, 60, 120, 3, )", 2 * BINS * 3);
+        let at = (BINS + 7) * 3;
+        assert_eq!(
+            radiance,
+            [0.25f32, 0.5, 1.0].iter().enumerate().map(|(c, v)| (at + c, v.to_bits())).collect::<Vec<_>>()
+        );
+        assert_eq!(
+            entry("count.npy", "'<u4', 'fortran_order': False, 'shape': (2, 60, 120, )", 2 * BINS),
+            [(BINS + 7, 1)]
+        );
+    }
+
+    /// Where `GONIO_PYTHON` names a Python that has numpy.
+    #[test]
+    fn numpy_reads_an_npz() {
+        let Some(python) = std::env::var_os("GONIO_PYTHON").filter(|p| !p.is_empty()) else {
+            return println!("skipped: GONIO_PYTHON names no Python with numpy");
+        };
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("m.npz");
+        let map = SparseMap { bins: vec![(121, BinSum::one([0.25, 0.5, 1.0], false))] };
+        write_npz(&file, &[SparseMap::default(), map]).unwrap();
+        let script = "import numpy, sys, zipfile\n\
+            assert zipfile.ZipFile(sys.argv[1]).testzip() is None\n\
+            f = numpy.load(sys.argv[1])\n\
+            print(sorted(f.files), f['map'].shape, f['map'].dtype, f['map'][1, 1, 1], f['map'].sum(), f['count'].dtype, f['count'][1, 1, 1], f['count'].sum())";
+        let ran = std::process::Command::new(python).args(["-c", script]).arg(&file).output().unwrap();
+        let said = String::from_utf8_lossy(&ran.stdout).into_owned();
+        let needed = "['count', 'map'] (2, 60, 120, 3) float32 [0.25 0.5  1.  ] 1.75 uint32 1 1\n";
+        assert_eq!(said, needed, "{}", String::from_utf8_lossy(&ran.stderr));
+    }
 }

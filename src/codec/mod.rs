@@ -1,11 +1,9 @@
-//! Files of others: one format a file. Whatever they hold, reading them neither panics nor allocates on their word.
+//! Files of other programs. Each format is a file or folder, in the folder of what it holds; a reader neither panics nor
+//! allocates on the word of a file.
 
-pub mod buffers;
-pub mod colmap;
-pub mod glb;
-pub mod image;
-pub mod maps;
-pub mod mesh;
-pub mod npy;
-pub mod obj;
-pub mod ply;
+pub(crate) mod buffers;
+pub(crate) mod images;
+pub(crate) mod maps;
+pub(crate) mod meshes;
+pub(crate) mod poses;
+pub(crate) mod tables;

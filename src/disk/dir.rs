@@ -1,26 +1,29 @@
 //! A store that is a folder.
 
 use std::fs::{self, File};
+use std::hash::{BuildHasher, RandomState};
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::atomic::{AtomicFile, sync_folder_of};
-use super::room;
+use super::atomic::{AtomicFile, sync_folder, sync_folder_of};
+use super::names::{Committed, Naming, SCRATCH, TEMPORARY, check_name};
 use super::scratch::Spool;
-use super::store::{Content, SCRATCH, Sink, Store, TEMPORARY, check_name};
+use super::space;
+use super::store::{Content, Sink, Store};
 use crate::base::{Error, Result};
 
-/// A folder as a store. Links to folders within it are not followed when it is listed or swept.
+/// A folder as a store. Links to other folders are not followed when it is listed or swept.
 #[derive(Debug, Clone)]
 pub struct DirStore {
     root: PathBuf,
+    attempt: Arc<str>,
 }
 
 impl DirStore {
-    /// The store in this folder, which is made with the first file.
+    /// The store in this folder, as a new attempt; clones share the attempt. The folder is made with the first file.
     pub fn new(root: impl Into<PathBuf>) -> Self {
-        DirStore { root: root.into() }
+        DirStore { root: root.into(), attempt: format!("{:016x}", RandomState::new().hash_one(0)).into() }
     }
 
     /// The folder.
@@ -43,7 +46,7 @@ impl DirStore {
         };
         for entry in entries {
             let entry = entry.map_err(Error::io("list", &path))?;
-            // A name that is no text is none of ours.
+            // gonio gives no file a name that is not UTF-8.
             let Ok(name) = entry.file_name().into_string() else { continue };
             let name = if folder.is_empty() { name } else { format!("{folder}/{name}") };
             let kind = entry.file_type().map_err(Error::io("list", entry.path()))?;
@@ -74,11 +77,16 @@ impl Store for DirStore {
     fn open(&self, name: &str) -> Result<Content> {
         let path = self.locate(name)?;
         let file = File::open(&path).map_err(Error::io("open", &path))?;
-        // SAFETY: what is committed is never written again: it is replaced by renaming and removed by unlinking, both
-        // of which leave a mapped file whole, and the lock keeps other runs away. A stranger who cuts the file short
-        // while it is mapped ends the process with SIGBUS; copying tens of gigabytes to rule that out is no bargain.
+        // SAFETY: a committed file is never written again: it is replaced by renaming and removed by unlinking, and both
+        // leave a mapped file whole. A stranger who cuts the file short while it is mapped ends the process with SIGBUS;
+        // to rule that out would take a copy of tens of gigabytes.
         let map = unsafe { memmap2::Mmap::map(&file) }.map_err(Error::io("map", &path))?;
         Ok(Content::Mapped(Arc::new(map)))
+    }
+
+    fn read(&self, name: &str) -> Result<Vec<u8>> {
+        let path = self.locate(name)?;
+        fs::read(&path).map_err(Error::io("read", &path))
     }
 
     fn size(&self, name: &str) -> Result<Option<u64>> {
@@ -118,6 +126,11 @@ impl Store for DirStore {
         fs::remove_file(&path).map_err(Error::io("remove", &path))
     }
 
+    fn sync(&self, folder: &str) -> Result<()> {
+        let path = if folder.is_empty() { self.root.clone() } else { self.locate(folder)? };
+        if path.is_dir() { sync_folder(&path) } else { Ok(()) }
+    }
+
     fn sweep(&self) -> Result<Vec<String>> {
         let mut names = Vec::new();
         self.walk("", &mut |name| {
@@ -134,17 +147,21 @@ impl Store for DirStore {
     }
 
     fn free(&self) -> Option<u64> {
-        room::free(&self.root)
+        space::free(&self.root)
     }
 
     fn path(&self, name: &str) -> PathBuf {
         self.root.join(name)
     }
+
+    fn attempt(&self) -> &str {
+        &self.attempt
+    }
 }
 
 impl Sink for AtomicFile {
-    fn commit(self: Box<Self>, replace: bool) -> Result<()> {
-        AtomicFile::commit(*self, replace)
+    fn commit(self: Box<Self>, naming: Naming) -> Result<Committed> {
+        AtomicFile::commit(*self, naming)
     }
 }
 
@@ -158,7 +175,7 @@ fn make_folders(folder: &Path) -> Result<()> {
     }
     match fs::create_dir(folder) {
         Ok(()) => sync_folder_of(folder),
-        // Another thread was faster.
+        // Another thread or process was faster.
         Err(_) if folder.is_dir() => Ok(()),
         Err(why) => Err(Error::io("create folder", folder)(why)),
     }

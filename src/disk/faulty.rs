@@ -1,22 +1,24 @@
-//! A store that fails at its n-th step, for tests: a write, a sync, a rename, a removal.
+//! A store that fails at its n-th step, for tests. A step is a write, a sync, a naming, a renaming or a removal.
 
 use std::io::{self, ErrorKind, Write};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
+use super::names::{Committed, Naming, SCRATCH};
 use super::scratch::{Spool, Working};
-use super::store::{Content, SCRATCH, Sink, Store};
+use super::store::{Content, Sink, Store};
 use crate::base::{Error, Result};
 
-/// What happens at the step.
+/// The fault at the step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Fault {
-    /// It fails with this error; the program lives and cleans up.
+    /// The step fails with this error; the program lives on and cleans up.
     Refused(ErrorKind),
-    /// The process is gone before the step is done: nothing is done from then on, and nothing cleaned up.
+    /// The process ends before the step: it does nothing from then on, and cleans up nothing.
     Killed,
-    /// The same, but half of the step is done: half the bytes of a write; a rename of which nobody is told.
+    /// The process ends in the middle of the step: after half the bytes of a write, or after a naming of which nobody is
+    /// told.
     Torn,
 }
 
@@ -25,9 +27,9 @@ pub(crate) enum Fault {
 pub(crate) struct FaultyStore {
     inner: Arc<dyn Store>,
     state: Arc<State>,
-    /// A file that is read wrong, however often it is written.
+    /// A file that reads wrong, however often it is written.
     rotten: Option<String>,
-    /// The bytes that it says are free.
+    /// The bytes that the store says are free.
     free: Option<u64>,
 }
 
@@ -40,7 +42,7 @@ struct State {
 }
 
 impl State {
-    /// Counts a step. Its fault if this is the one; an error if the process is gone.
+    /// Counts a step: the fault if this is its step; an error if the process has ended.
     fn step(&self) -> io::Result<Option<Fault>> {
         if self.dead.load(Ordering::SeqCst) {
             return Err(gone());
@@ -52,28 +54,28 @@ impl State {
 }
 
 impl FaultyStore {
-    /// Fails at step `at`, counted from 0; never if there are not so many.
+    /// Fails at step `at`, counted from 0.
     pub(crate) fn new(inner: Arc<dyn Store>, at: u64, fault: Fault) -> Self {
         let state = State { at, fault, steps: AtomicU64::new(0), dead: AtomicBool::new(false) };
         FaultyStore { inner, state: Arc::new(state), rotten: None, free: None }
     }
 
-    /// Never fails, but reads this file wrong, however often it is written.
+    /// Never fails, but this file reads wrong, however often it is written.
     pub(crate) fn rotten(inner: Arc<dyn Store>, name: &str) -> Self {
         FaultyStore { rotten: Some(name.to_owned()), ..FaultyStore::new(inner, u64::MAX, Fault::Killed) }
     }
 
-    /// Never fails, but says that no more than these bytes are free.
+    /// Never fails, but says that only these bytes are free.
     pub(crate) fn narrow(inner: Arc<dyn Store>, free: u64) -> Self {
         FaultyStore { free: Some(free), ..FaultyStore::new(inner, u64::MAX, Fault::Killed) }
     }
 
-    /// Steps so far.
+    /// The number of steps so far.
     pub(crate) fn steps(&self) -> u64 {
         self.state.steps.load(Ordering::SeqCst)
     }
 
-    /// Does one step, or what the fault leaves of it.
+    /// Does one step, or the part of it that the fault leaves.
     fn step<T>(&self, path: &str, done: impl FnOnce() -> Result<T>) -> Result<T> {
         let failed = |why: io::Error| Error::io("change", self.inner.path(path))(why);
         match self.state.step().map_err(failed)? {
@@ -112,12 +114,14 @@ impl<S: Write + ?Sized> Write for FaultySink<S> {
 }
 
 impl Sink for FaultySink<dyn Sink> {
-    fn commit(mut self: Box<Self>, replace: bool) -> Result<()> {
-        // The sync of the bytes, the rename, the sync of the folder: what fails before the rename leaves no name.
+    fn commit(mut self: Box<Self>, naming: Naming) -> Result<Committed> {
+        // The sync of the bytes, the naming, the sync of the folder: a fault before the naming leaves no name.
         let (store, name) = (self.store.clone(), self.name.clone());
         store.step(&name, || Ok(()))?;
-        store.step(&name, || self.inner.take().map_or(Err(Error::invalid("no sink")), |sink| sink.commit(replace)))?;
-        store.step(&name, || Ok(()))
+        let committed = store
+            .step(&name, || self.inner.take().map_or(Err(Error::invalid("no sink")), |sink| sink.commit(naming)))?;
+        store.step(&name, || Ok(()))?;
+        Ok(committed)
     }
 }
 
@@ -130,7 +134,7 @@ impl Spool for FaultySink<dyn Spool> {
 impl<S: ?Sized> Drop for FaultySink<S> {
     fn drop(&mut self) {
         if self.store.state.dead.load(Ordering::SeqCst) {
-            // Who is gone does not clean up.
+            // A process that has ended does not clean up.
             std::mem::forget(self.inner.take());
         }
     }
@@ -174,6 +178,10 @@ impl Store for FaultyStore {
         self.step(name, || self.inner.remove(name))
     }
 
+    fn sync(&self, folder: &str) -> Result<()> {
+        self.step(folder, || self.inner.sync(folder))
+    }
+
     fn sweep(&self) -> Result<Vec<String>> {
         self.inner.sweep()
     }
@@ -184,5 +192,8 @@ impl Store for FaultyStore {
 
     fn path(&self, name: &str) -> PathBuf {
         self.inner.path(name)
+    }
+    fn attempt(&self) -> &str {
+        self.inner.attempt()
     }
 }

@@ -1,5 +1,5 @@
-//! One run a folder. The lock is the system's, on an open file, so that it ends with its process however that ends; the
-//! process id in the file is for people. The file itself stays: to remove it would let two runs lock two files.
+//! One run per folder. The system locks an open file, so the lock ends when its process ends, however that happens; the
+//! process id in the file is for people. The file stays: if it were removed, two runs could lock two files.
 
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{Read, Seek, Write};
@@ -8,9 +8,9 @@ use std::path::Path;
 use crate::base::{Error, Result};
 
 /// The name of the lock's file in the run's folder.
-pub const LOCK: &str = "lock";
+pub(crate) const LOCK: &str = "lock";
 
-/// Keeps other runs out of a folder as long as it lives.
+/// Keeps other runs out of a folder for as long as it lives.
 #[derive(Debug)]
 #[must_use = "the folder is locked only while this lives"]
 pub struct Lock {
@@ -18,10 +18,10 @@ pub struct Lock {
 }
 
 impl Lock {
-    /// Locks a folder, which is made if it is not there.
+    /// Locks a folder, and makes it if it is not there.
     ///
     /// # Errors
-    /// `Error::Invalid` that names the other process, if there is one.
+    /// Another process has the lock: `Error::Invalid` names that process.
     pub fn acquire(folder: impl AsRef<Path>) -> Result<Lock> {
         let folder = folder.as_ref();
         fs::create_dir_all(folder).map_err(Error::io("create folder", folder))?;
@@ -37,12 +37,12 @@ impl Lock {
             Ok(()) => {}
             Err(TryLockError::WouldBlock) => {
                 let mut text = String::new();
-                // Who holds it may not have written yet, and what is there may be anything.
+                // The holder may not have written its id yet, and the file may hold anything.
                 (&file).take(20).read_to_string(&mut text).unwrap_or_default();
                 let who =
                     text.trim().parse::<u32>().map_or("another process".to_owned(), |pid| format!("process {pid}"));
                 return Err(Error::invalid(format!(
-                    "{} is in use by {who}: wait for it to end, or give this run another `[run] work`",
+                    "{} is in use by {who}: wait until it ends, or give this run another `[run] work`",
                     folder.display()
                 )));
             }

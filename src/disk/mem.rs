@@ -5,11 +5,12 @@ use std::io::{self, Write};
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
+use super::names::{Committed, Naming, SCRATCH, check_name};
 use super::scratch::{Spool, Working};
-use super::store::{Content, SCRATCH, Sink, Store, check_name};
+use super::store::{Content, Sink, Store};
 use crate::base::{Error, Result};
 
-/// Files in memory; cloning shares them.
+/// Files in memory; clones share them.
 #[derive(Debug, Clone, Default)]
 pub struct MemStore {
     files: Arc<Mutex<Files>>,
@@ -24,7 +25,7 @@ impl MemStore {
     }
 
     fn files(&self) -> MutexGuard<'_, Files> {
-        // A map of whole files is whole even if a thread panicked while it had it.
+        // A map of whole files is whole even after a thread panicked with its lock.
         self.files.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -46,14 +47,13 @@ impl Write for MemSink {
 }
 
 impl Sink for MemSink {
-    fn commit(self: Box<Self>, replace: bool) -> Result<()> {
+    fn commit(self: Box<Self>, naming: Naming) -> Result<Committed> {
         let mut files = self.store.files();
-        if !replace && files.contains_key(&self.name) {
-            let taken = io::Error::new(io::ErrorKind::AlreadyExists, "it is there already, and is written but once");
-            return Err(Error::io("write", self.store.path(&self.name))(taken));
+        if naming == Naming::FirstWins && files.contains_key(&self.name) {
+            return Ok(Committed::Already);
         }
         files.insert(self.name, self.bytes.into());
-        Ok(())
+        Ok(Committed::Now)
     }
 }
 
@@ -109,6 +109,10 @@ impl Store for MemStore {
         removed.map(drop).ok_or_else(|| Error::io("remove", self.path(name))(io::ErrorKind::NotFound.into()))
     }
 
+    fn sync(&self, _: &str) -> Result<()> {
+        Ok(())
+    }
+
     fn sweep(&self) -> Result<Vec<String>> {
         Ok(Vec::new())
     }
@@ -119,5 +123,8 @@ impl Store for MemStore {
 
     fn path(&self, name: &str) -> PathBuf {
         PathBuf::from("memory").join(name)
+    }
+    fn attempt(&self) -> &str {
+        "memory"
     }
 }

@@ -1,42 +1,53 @@
-//! Write-once files and the manifest that names them.
+//! Write-once files, and the unit records that say which files count.
 //!
 //! Invariants:
-//! - **Whole or not there.** A file is written under a temporary name, flushed, synced, renamed, and its folder synced.
-//!   Under its own name there is the whole file or none. Finishing is typed: [`Draft::commit`] consumes the draft, and a
-//!   draft that is dropped leaves nothing.
-//! - **Once.** What is committed is never written again, so that it can be mapped into memory. Only what is renewed as a
-//!   whole (the manifest, a table of materials) is replaced, by the same steps; who has the old one open keeps it.
-//! - **The manifest comes last and names all that counts.** Files first, then the manifest. What a run owns and the
-//!   manifest does not name is the rubbish of a broken run, and is swept when the run is opened again. Nothing else is
-//!   ever removed: a run may live in a folder with other files.
-//! - **Scratch is nobody's.** What is worked on and not kept ([`Scratch`]) has a temporary name and is never committed.
-//! - **One writer.** [`Lock`] keeps a second run out of the folder. What checks and then acts here relies on it.
+//! - **Whole or not there.** A file is written under a temporary name, flushed, synced, given its name, and its folder
+//!   synced. Under its own name there is the whole file or none. Finishing is typed: [`Draft::commit`] consumes the
+//!   draft, and a draft that is dropped leaves nothing.
+//! - **Once.** A committed file is never written again, so it can be mapped into memory. Only a file that is renewed as a
+//!   whole (a table of materials) is replaced, by the same steps; whoever has the old file open keeps it.
+//! - **The first one wins.** Of two files that want one name, one gets it, in one step of the filesystem, and the other
+//!   is told so. Hence several processes may work on one run.
+//! - **The record comes last.** Files first, then the unit record that names them. What a run owns and no record names
+//!   is the rubbish of a broken run; the holder of [`Lock`] sweeps it. Nothing else is ever removed: a run may live in a
+//!   folder with other files.
+//! - **Scratch is never committed.** [`Scratch`] has a temporary name and goes when it is dropped.
 //! - **Nothing is trusted.** A file's size is checked when a run is opened, its bytes when it is read: sealed files by
-//!   their footer, others by the manifest's checksum or their own. Names cannot leave the store.
+//!   their footer, others by their unit record's checksum. Names cannot leave the store.
 
 mod atomic;
-pub mod dir;
+mod corrupt;
+pub(crate) mod dir;
+mod done;
 #[cfg(test)]
 pub(crate) mod faulty;
-pub mod lock;
-pub mod manifest;
-pub mod mem;
-mod recipe;
-pub mod room;
-pub mod scratch;
-pub mod sealed;
-pub mod store;
+pub(crate) mod frozen;
+pub(crate) mod ledger;
+pub(crate) mod lock;
+pub(crate) mod mem;
+pub(crate) mod names;
+pub(crate) mod scratch;
+pub(crate) mod sealed;
+mod sealed_json;
+pub(crate) mod space;
+pub(crate) mod store;
+pub(crate) mod unit;
+mod unit_record;
 
-pub use atomic::{WriteSeek, write_atomic};
+pub(crate) use atomic::{WriteSeek, write_atomic};
 pub use dir::DirStore;
+pub(crate) use frozen::Damage;
+pub use ledger::Ledger;
+pub(crate) use ledger::{Finding, Findings};
 pub use lock::Lock;
-pub use manifest::{Manifest, Opening, Unit};
 pub use mem::MemStore;
-pub use recipe::Recipe;
-pub use room::Room;
-pub use scratch::{Scratch, Working};
-pub use sealed::{Seal, Sealed, SealedWriter};
-pub use store::{Content, Draft, FileEntry, Store};
+pub(crate) use names::Committed;
+pub(crate) use sealed::{Seal, Sealed, SealedWriter};
+pub(crate) use space::Space;
+pub use store::Store;
+pub(crate) use store::{Content, Draft, FileEntry};
+pub use unit::Recipe;
+pub(crate) use unit::{Difference, UnitName};
 
 #[cfg(test)]
 mod tests;

@@ -1,8 +1,8 @@
-//! Bytes that are worked on and then forgotten, however many: written from the first to the last, then changed in place.
-//! They lie in a file of the store that is mapped, so that it is the system's to write its pages back and to drop them. The
-//! file is never committed: it has a temporary name, and what a killed process leaves of it is swept with the rest.
+//! Scratch: any number of bytes that are written from the first to the last, changed in place, and then dropped. They lie
+//! in a mapped file of the store, so the system may write pages back and drop them. The file is never committed: it has a
+//! temporary name, and the file of a killed process is swept.
 //!
-//! All bytes are written before they are mapped, so that a full disk is an error of a write.
+//! All bytes are written before they are mapped, so a full disk is an error of a write.
 
 use std::io::{self, BufWriter, Write};
 use std::ops::{Deref, DerefMut};
@@ -13,16 +13,16 @@ use bytemuck::Pod;
 use super::atomic::AtomicFile;
 use crate::base::{Error, Result};
 
-/// Bytes gathered before they are written.
+/// Bytes that are collected before they are written.
 const BUFFER: usize = 1 << 17;
 
-/// Where a store puts bytes that are not kept.
+/// The place where a store puts bytes that are not kept.
 pub trait Spool: Write + Send {
-    /// Ends writing: what was written can be changed from now on.
+    /// Ends the writing: the bytes can be changed from now on.
     fn work(self: Box<Self>) -> Result<Working>;
 }
 
-/// Bytes that are being written, not to be kept.
+/// Scratch that is being written.
 pub struct Scratch {
     out: BufWriter<Box<dyn Spool>>,
     path: PathBuf,
@@ -33,12 +33,12 @@ impl Scratch {
         Scratch { out: BufWriter::with_capacity(BUFFER, spool), path }
     }
 
-    /// What messages call it.
+    /// The name of the scratch in messages.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Ends writing: what was written can be changed from now on.
+    /// Ends the writing: the bytes can be changed from now on.
     pub fn work(self) -> Result<Working> {
         self.out.into_inner().map_err(|e| Error::io("write", &self.path)(e.into_error()))?.work()
     }
@@ -54,7 +54,7 @@ impl Write for Scratch {
     }
 }
 
-/// Bytes that can be changed, mapped or in memory. Dropped, they are gone.
+/// Scratch that can be changed, mapped or in memory.
 #[derive(Debug)]
 pub struct Working(Place);
 
@@ -62,7 +62,7 @@ pub struct Working(Place);
 enum Place {
     Mapped {
         map: memmap2::MmapMut,
-        /// Removes itself.
+        /// Removes the file when dropped.
         _file: AtomicFile,
     },
     Held {
@@ -79,14 +79,14 @@ impl Working {
         Working(Place::Held { words, length: bytes.len() })
     }
 
-    /// All of it as values, of at most eight bytes' alignment.
+    /// All bytes as values of an alignment of at most eight bytes.
     ///
     /// # Errors
-    /// It is no whole number of them.
+    /// The bytes are not a whole number of values.
     pub fn values<T: Pod>(&mut self) -> Result<&mut [T]> {
         let length = self.len();
         bytemuck::try_cast_slice_mut(self)
-            .map_err(|why| Error::invalid(format!("{length} bytes of scratch are no values: {why}")))
+            .map_err(|why| Error::invalid(format!("{length} bytes of scratch are not a whole number of values: {why}")))
     }
 }
 

@@ -1,15 +1,15 @@
-//! Sealed files: any bytes, and a footer that tells a whole file from anything else. Integers are little endian.
+//! Sealed files: any bytes, and a footer that tells a whole file from any other. Integers are little endian.
 //!
 //! ```text
 //! body      any number of bytes
 //! length    u64      bytes of the body
 //! version   u32      of the body's layout
 //! crc32     u32      of the body
-//! magic     8 bytes  what kind of file this is
+//! magic     8 bytes  the kind of file
 //! ```
 //!
-//! The magic stands last, so that a file that was cut short does not carry it. Every byte of the file is covered:
-//! the body by its crc32, the length by the file's size, version and magic by what the reader wants.
+//! The magic comes last: a file that was cut short lacks it. Every byte of the file is checked: the body by its crc32, the
+//! length by the file's size, version and magic against the reader's.
 
 use std::io::{self, Write};
 use std::ops::Deref;
@@ -22,41 +22,41 @@ const FOOTER: usize = 24;
 
 /// A kind of sealed file, and the version of its layout that this program reads and writes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Seal {
-    /// Its last eight bytes.
+pub(crate) struct Seal {
+    /// The file's last eight bytes.
     pub magic: [u8; 8],
-    /// The version of its layout.
+    /// The version of the layout.
     pub version: u32,
-    /// What messages call it: "scene cache".
+    /// The kind of file in messages: "scene cache".
     pub kind: &'static str,
 }
 
 /// A sealed file that is being written.
-pub struct SealedWriter {
+pub(crate) struct SealedWriter {
     draft: Draft,
     seal: Seal,
     crc: crc32fast::Hasher,
     length: u64,
 }
 
-/// A sealed file whose seal was found whole; it derefs to the body.
+/// A sealed file whose seal is whole; it derefs to the body.
 #[derive(Debug, Clone)]
-pub struct Sealed {
+pub(crate) struct Sealed {
     content: Content,
     length: usize,
 }
 
 impl Seal {
     /// Begins a file of this kind.
-    pub fn create(&self, store: &dyn Store, name: &str) -> Result<SealedWriter> {
+    pub(crate) fn create(&self, store: &dyn Store, name: &str) -> Result<SealedWriter> {
         Ok(SealedWriter { draft: store.create(name)?, seal: *self, crc: crc32fast::Hasher::new(), length: 0 })
     }
 
-    /// Opens a file of this kind, reading all of it once.
+    /// Opens a file of this kind, and reads it once from end to end.
     ///
     /// # Errors
-    /// `Error::Malformed` in words where the file is cut short, of another kind or version, or has changed.
-    pub fn open(&self, store: &dyn Store, name: &str) -> Result<Sealed> {
+    /// `Error::Malformed` where the file is cut short, of another kind or version, or has changed.
+    pub(crate) fn open(&self, store: &dyn Store, name: &str) -> Result<Sealed> {
         let content = store.open(name)?;
         match self.length(&content) {
             Ok(length) => Ok(Sealed { content, length }),
@@ -64,23 +64,23 @@ impl Seal {
         }
     }
 
-    /// The body's length, once all has been checked.
+    /// The body's length, once all bytes have been checked.
     fn length(&self, bytes: &[u8]) -> Result<usize, String> {
         let kind = self.kind;
         let (body, footer) = bytes.split_last_chunk::<FOOTER>().ok_or_else(|| {
-            format!("{} bytes are too few for a {kind}, whose footer alone has {FOOTER}: it was cut short", bytes.len())
+            format!("{} bytes are too few for a {kind}, whose footer has {FOOTER}: it was cut short", bytes.len())
         })?;
         let word = |at: usize| u32::from_le_bytes([footer[at], footer[at + 1], footer[at + 2], footer[at + 3]]);
         if footer[16..] != self.magic {
             let (found, wanted) = (footer[16..].escape_ascii(), self.magic.escape_ascii());
             return Err(format!(
-                "ends in \"{found}\", but a {kind} ends in \"{wanted}\": it was cut short, or is none"
+                "ends in \"{found}\", but a {kind} ends in \"{wanted}\": it was cut short, or is another file"
             ));
         }
         if word(8) != self.version {
             let (found, wanted) = (word(8), self.version);
             return Err(format!(
-                "{kind} of version {found}; this gonio reads version {wanted}: remove it to have it made again"
+                "{kind} of version {found}; this gonio reads version {wanted}: remove the file, and the next run makes it again"
             ));
         }
         let length = u64::from(word(0)) | u64::from(word(4)) << 32;
@@ -108,8 +108,11 @@ impl Write for SealedWriter {
 }
 
 impl SealedWriter {
-    /// Writes the footer and makes the file durable. Refused where the name is taken.
-    pub fn seal(mut self) -> Result<FileEntry> {
+    /// Writes the footer and makes the file durable.
+    ///
+    /// # Errors
+    /// The name is taken; the store fails.
+    pub(crate) fn seal(mut self) -> Result<FileEntry> {
         let mut footer = [0; FOOTER];
         footer[..8].copy_from_slice(&self.length.to_le_bytes());
         footer[8..12].copy_from_slice(&self.seal.version.to_le_bytes());

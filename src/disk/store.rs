@@ -1,4 +1,4 @@
-//! What a store of write-once files must do. The same suite of tests runs on every store.
+//! A store of write-once files. The same suite of tests runs on every store.
 
 use std::fmt;
 use std::io::{self, BufWriter, Write};
@@ -8,33 +8,30 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use super::names::{Committed, Naming, SCRATCH};
 use super::scratch::{Scratch, Spool};
 use crate::base::key::Key;
 use crate::base::{Error, Result};
 
-/// Ends the names under which files are written; no file of a store may end so.
-pub const TEMPORARY: &str = ".gonio-tmp";
-
-/// Begins the temporary names of what is not kept.
-pub const SCRATCH: &str = "scratch";
-
-/// The longest name of a file in a store, in bytes.
-const LONGEST_NAME: usize = 200;
-
-/// Bytes gathered before they are hashed and written.
+/// Bytes that are collected before they are hashed and written.
 const BUFFER: usize = 1 << 17;
 
-/// Write-once files under names such as `segments/7.seg`. Names are relative, with `/` between folders, which come and
-/// go with their files. One process writes, any number of its threads.
+/// Write-once files under names such as `segments/7.seg`. Names are relative, with `/` between folders, which are made
+/// with their files. Any number of threads and processes may write; of two files with one name the first wins.
 pub trait Store: fmt::Debug + Send + Sync {
     /// Begins a file; folders are made as needed. Refuses a name that leaves the store.
     fn begin(&self, name: &str) -> Result<Box<dyn Sink>>;
 
-    /// Begins bytes that are not kept.
+    /// Begins bytes that are never committed.
     fn spool(&self) -> Result<Box<dyn Spool>>;
 
     /// The bytes of a committed file. They stay readable after the file is removed or replaced.
     fn open(&self, name: &str) -> Result<Content>;
+
+    /// The bytes of a small committed file, copied into memory.
+    fn read(&self, name: &str) -> Result<Vec<u8>> {
+        Ok(self.open(name)?.to_vec())
+    }
 
     /// The size in bytes of a committed file, `None` if there is no such file.
     fn size(&self, name: &str) -> Result<Option<u64>>;
@@ -45,19 +42,26 @@ pub trait Store: fmt::Debug + Send + Sync {
     /// Gives a committed file another name, in place of the file that has it.
     fn rename(&self, from: &str, to: &str) -> Result<()>;
 
-    /// Removes a committed file.
+    /// Removes a committed file; [`Store::sync`] makes that durable.
     fn remove(&self, name: &str) -> Result<()>;
 
-    /// Removes what broken runs left under temporary names, and names it.
+    /// Makes all names in a folder durable, and the lack of those that were removed. A folder that is not there is empty.
+    fn sync(&self, folder: &str) -> Result<()>;
+
+    /// Removes the temporary files that broken runs left, and names them. Nobody may be writing meanwhile.
     fn sweep(&self) -> Result<Vec<String>>;
 
-    /// The bytes that may still be written into the store; `None` where nobody says.
+    /// The bytes that may still be written into the store; `None` where the system does not say.
     fn free(&self) -> Option<u64>;
 
-    /// What messages call a file.
+    /// The name of a file in messages.
     fn path(&self, name: &str) -> PathBuf;
 
-    /// Begins bytes that are worked on and not kept, buffered.
+    /// The short name of this attempt at the run, a part of the names of a unit's files: two processes that do the same
+    /// unit write different files.
+    fn attempt(&self) -> &str;
+
+    /// Begins scratch, buffered.
     fn scratch(&self) -> Result<Scratch> {
         Ok(Scratch::new(self.spool()?, self.path(SCRATCH)))
     }
@@ -69,11 +73,10 @@ pub trait Store: fmt::Debug + Send + Sync {
     }
 }
 
-/// Where a store puts the bytes of one file that is being written. Dropped uncommitted, it leaves nothing.
+/// The place where a store puts the bytes of one file that is being written. A sink that is dropped leaves nothing.
 pub trait Sink: Write + Send {
-    /// Makes the file durable under its name. Where the name is taken, `replace` says whether that file gives way or
-    /// this one is refused.
-    fn commit(self: Box<Self>, replace: bool) -> Result<()>;
+    /// Makes the file durable under its name. `naming` says which file stays where the name is taken.
+    fn commit(self: Box<Self>, naming: Naming) -> Result<Committed>;
 }
 
 /// A file that is being written.
@@ -113,51 +116,66 @@ impl Write for Draft {
 }
 
 impl Draft {
-    /// What messages call the file.
+    /// The name of the file in messages.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Makes the file durable. Refused where the name is taken.
+    /// Makes the file durable.
+    ///
+    /// # Errors
+    /// The name is taken; the store fails.
     pub fn commit(self) -> Result<FileEntry> {
-        self.conclude(false)
+        let path = self.path.clone();
+        match self.conclude(Naming::FirstWins)? {
+            (entry, Committed::Now) => Ok(entry),
+            (_, Committed::Already) => {
+                let taken = io::Error::new(io::ErrorKind::AlreadyExists, "the file exists, and is written only once");
+                Err(Error::io("write", path)(taken))
+            }
+        }
     }
 
     /// Makes the file durable, in place of the one that has its name.
     pub fn replace(self) -> Result<FileEntry> {
-        self.conclude(true)
+        self.conclude(Naming::Replace).map(|(entry, _)| entry)
     }
 
-    fn conclude(self, replace: bool) -> Result<FileEntry> {
+    /// Makes the file durable unless its name is taken: then these bytes are dropped, and the entry describes them.
+    pub fn commit_first(self) -> Result<(FileEntry, Committed)> {
+        self.conclude(Naming::FirstWins)
+    }
+
+    fn conclude(self, naming: Naming) -> Result<(FileEntry, Committed)> {
         let counted = self.out.into_inner().map_err(|e| Error::io("write", &self.path)(e.into_error()))?;
-        counted.sink.commit(replace)?;
-        let checksum = Key(*counted.hasher.finalize().as_bytes()).to_string();
-        Ok(FileEntry { name: self.name, bytes: counted.bytes, checksum })
+        let committed = counted.sink.commit(naming)?;
+        let checksum = Key(*counted.hasher.finalize().as_bytes());
+        Ok((FileEntry { name: self.name, bytes: counted.bytes, checksum }, committed))
     }
 }
 
-/// A committed file: what the manifest says of it.
+/// A committed file, as the record of its unit describes it.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FileEntry {
-    /// Its name in the store.
+    /// The file's name in the store.
     pub name: String,
-    /// Its size.
+    /// The file's size.
     pub bytes: u64,
-    /// BLAKE3 of its bytes, in hex.
-    pub checksum: String,
+    /// BLAKE3 of the file's bytes.
+    pub checksum: Key,
 }
 
 impl FileEntry {
     /// Reads the whole file and compares it with the entry. For files that carry no checksums of their own.
     pub fn verify(&self, store: &dyn Store) -> Result<Content> {
         let content = store.open(&self.name)?;
-        let found = Key::of_bytes(&content).to_string();
+        let found = Key::of_bytes(&content);
         if content.len() as u64 == self.bytes && found == self.checksum {
             return Ok(content);
         }
         let words = format!(
-            "{} bytes with checksum {found}; the manifest names {} with {}: the file has changed since it was written",
+            "{} bytes with checksum {found}, but its unit names {} with {}: the file has changed since it was written",
             content.len(),
             self.bytes,
             self.checksum
@@ -166,7 +184,7 @@ impl FileEntry {
     }
 }
 
-/// The bytes of a committed file, mapped or in memory. Cloning shares them.
+/// The bytes of a committed file, mapped or in memory. Clones share them.
 #[derive(Debug, Clone)]
 pub enum Content {
     /// Mapped from a file.
@@ -190,23 +208,4 @@ impl AsRef<[u8]> for Content {
     fn as_ref(&self) -> &[u8] {
         self
     }
-}
-
-/// Refuses a name that is none, or that could leave the store, or that is a temporary one.
-pub fn check_name(name: &str) -> Result<()> {
-    let part_is_bad = |part: &str| part.is_empty() || part == "." || part == "..";
-    let refuse = |why: &str| Err(Error::invalid(format!("{name:?} is no name for a file of a run: {why}")));
-    if name.len() > LONGEST_NAME {
-        return refuse("it is longer than 200 bytes");
-    }
-    if name.contains(|c: char| c.is_control() || c == '\\' || c == ':') {
-        return refuse("it holds a backslash, a colon or a control character");
-    }
-    if name.split('/').any(part_is_bad) {
-        return refuse("its parts between slashes must be names, and neither empty, . nor ..");
-    }
-    if name.ends_with(TEMPORARY) {
-        return refuse("it ends as temporary names do");
-    }
-    Ok(())
 }

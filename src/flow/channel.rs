@@ -1,14 +1,14 @@
-//! Bounded channels between two stages. Items carry their position in the sequence; waits are metered on both sides;
-//! and an end is said by [`Sender::finish`], so that a producer that died is never taken for one that is done.
+//! Bounded channels between two stages. Items carry their position in the sequence, and waits are metered on both sides.
+//! [`Sender::finish`] announces the end, so a producer that died is never taken for one that is done.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use super::StopSignal;
 use super::meter::{Clock, Meter};
+use super::stop::StopSignal;
 use crate::base::{Error, Result};
 
-/// A channel that holds at most `bound` items, between the stages whose meters are given.
+/// A channel that holds at most `bound` items, between the stages with these meters.
 pub(super) fn bounded<T>(
     bound: usize,
     stop: &StopSignal,
@@ -28,7 +28,7 @@ pub(super) fn bounded<T>(
     (sender, Receiver { rx, finished, stop: stop.clone(), meter: Arc::clone(to) })
 }
 
-/// The producing end. It has one owner, so that positions are dense.
+/// The producing end. It has one owner, so positions have no gaps.
 #[derive(Debug)]
 pub(super) struct Sender<T> {
     tx: crossbeam_channel::Sender<(u64, T)>,
@@ -40,7 +40,7 @@ pub(super) struct Sender<T> {
 }
 
 impl<T> Sender<T> {
-    /// Sends, waiting for room. `Error::Interrupted` when the run halts or the consumer is gone.
+    /// Sends an item once the queue has space. `Error::Interrupted` when the run halts or the consumer is gone.
     pub(super) fn send(&mut self, item: T, clock: &mut Clock<'_>) -> Result<()> {
         clock.worked();
         let sent = self.stop.send(&self.tx, (self.next, item));
@@ -52,7 +52,7 @@ impl<T> Sender<T> {
         Ok(())
     }
 
-    /// Says that there is no more.
+    /// Announces that no item follows.
     pub(super) fn finish(self) {
         self.finished.store(true, Ordering::Release);
     }

@@ -1,27 +1,30 @@
-//! What a stage counts about itself, to be read by another thread while the run goes on.
+//! The counters of a stage, which another thread may read while the run goes on.
 //!
-//! A thread's time is split without gaps into busy, waiting for input and waiting for output, so over a stage the
-//! three add up to its workers times the time they lived. The bottleneck is the stage that is busy while those before
-//! it wait for output and those after it for input.
+//! A thread's time is split without gaps into busy, waiting for input and waiting for output: over a stage the three add
+//! up to the lifetimes of all workers. The bottleneck is the stage that is busy while the stages before it wait for
+//! output and the stages after it wait for input.
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
-use super::lock;
+use serde::{Deserialize, Serialize};
+
+use super::mutex::lock;
 
 /// An item that could not be used. The run goes on without it, and its exit code says so.
-#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Skipped {
-    /// Which one, as the user knows it: a frame's name.
+    /// The item's name, as the user knows it: a frame's name.
     pub item: String,
-    /// What was wrong with it.
+    /// The reason, in words.
     pub why: String,
     /// The command that does this one item again.
     pub replay: String,
 }
 
-/// The counters of one stage. All may be read at any time.
+/// The counters of one stage, which may be read at any time.
 #[derive(Debug, Default)]
 pub struct Meter {
     name: String,
@@ -51,7 +54,7 @@ pub struct Reading {
     pub busy: Duration,
     /// Thread time spent waiting for input, summed over workers.
     pub wait_in: Duration,
-    /// Thread time spent waiting for room downstream, or for one's turn, summed over workers.
+    /// Thread time spent waiting for space in the next queue, or for a turn, summed over workers.
     pub wait_out: Duration,
     /// Items waiting in the queue before the stage.
     pub queue: usize,
@@ -60,7 +63,7 @@ pub struct Reading {
 }
 
 impl Meter {
-    /// A meter at zero. `total` is how many items the stage will pass on, where it knows.
+    /// A meter at zero. `total` is the number of items that the stage will pass on, where it knows.
     pub fn new(name: &str, workers: usize, queue_bound: usize, total: Option<u64>) -> Self {
         Meter { name: name.to_owned(), workers, queue_bound, total, ..Self::default() }
     }
@@ -80,7 +83,7 @@ impl Meter {
         self.queue_bound
     }
 
-    /// How many items the stage will pass on in all, where it knows.
+    /// The number of items that the stage will pass on, where it knows.
     pub fn total(&self) -> Option<u64> {
         self.total
     }
@@ -105,19 +108,19 @@ impl Meter {
         self.bytes.fetch_add(bytes, Ordering::Relaxed);
     }
 
-    /// Notes an item that could not be used.
+    /// Notes a skipped item.
     pub fn skip(&self, skipped: Skipped) {
         lock(&self.skipped).push(skipped);
     }
 
-    /// The items skipped so far, sorted, since workers report in no fixed order.
+    /// The items skipped so far, sorted: workers report in no fixed order.
     pub fn skipped(&self) -> Vec<Skipped> {
         let mut all = lock(&self.skipped).clone();
         all.sort();
         all
     }
 
-    /// Counts an item taken, and what that left in the queue.
+    /// Counts an item taken, and notes the items that are left in the queue.
     pub(super) fn took(&self, queue: usize) {
         self.items_in.fetch_add(1, Ordering::Relaxed);
         self.set_queue(queue);
@@ -134,7 +137,7 @@ impl Meter {
     }
 }
 
-/// One thread's clock: whatever time has passed since the last call is put down to one of three causes.
+/// One thread's clock: each call puts the time since the last call down to one of three causes.
 #[derive(Debug)]
 pub(super) struct Clock<'a> {
     meter: &'a Meter,

@@ -1,13 +1,13 @@
 //! Puts the outputs of n workers back into input order.
 //!
-//! Each item has a turn, its position in the input. Only the worker whose item has the turn sends; the others may each
-//! finish items ahead of it and park at most one output per item. An item counts as held from before it is taken until
-//! its turn has passed, and at most 2n - 1 are held: one in each worker's hands, and one parked for each worker but one.
-//! A second output before the turn waits in its worker's hands. So at most 2n - 1 inputs or first outputs, and n - 1
-//! second ones, are ever in a map.
+//! Each item has a turn, its position in the input. Only the worker whose item has the turn sends; the others may finish
+//! items ahead of the turn and park at most one output per item. An item is held from before it is taken until its turn
+//! has passed, and at most 2n - 1 are held: one by each worker, and one parked for each worker but one. A second output
+//! before the turn waits with its worker. So at most 2n - 1 inputs or first outputs, and n - 1 second ones, are in a map
+//! at any time.
 //!
-//! It cannot lock up: the channel is first-in first-out, so the item with the turn has been taken, and its worker waits
-//! for nothing but the next stage.
+//! It cannot deadlock: the channel is first-in first-out, so the item with the turn has been taken, and its worker waits
+//! only for the next stage.
 
 use std::collections::BTreeMap;
 use std::sync::Mutex;
@@ -16,7 +16,8 @@ use crossbeam_channel::{Receiver, Sender, bounded};
 
 use super::channel;
 use super::meter::Clock;
-use super::{StopSignal, lock};
+use super::mutex::lock;
+use super::stop::StopSignal;
 use crate::base::{Error, Result};
 
 /// The most items that a map with this many workers has taken and not yet passed on.
@@ -29,7 +30,7 @@ pub(super) fn held(workers: usize) -> usize {
 pub(super) struct Order<T> {
     stop: StopSignal,
     turns: Mutex<Turns<T>>,
-    /// Used by the worker that has the turn alone, so it is never contended. `None` once finished.
+    /// Only the worker that has the turn uses it, so nobody waits for the lock. `None` once finished.
     sender: Mutex<Option<channel::Sender<T>>>,
     permits: (Sender<()>, Receiver<()>),
 }
@@ -54,7 +55,7 @@ impl<T> Order<T> {
     /// An order for this many workers (at least 1).
     pub(super) fn new(workers: usize, stop: &StopSignal, sender: channel::Sender<T>) -> Self {
         let permits = bounded(held(workers));
-        // The channel has room for exactly these.
+        // The channel has space for exactly these.
         (0..held(workers)).for_each(|_| permits.0.try_send(()).unwrap_or_default());
         Order {
             stop: stop.clone(),
@@ -64,7 +65,7 @@ impl<T> Order<T> {
         }
     }
 
-    /// Waits until one more item may be taken from the input.
+    /// Waits until the worker may take one more item from the input.
     pub(super) fn permit(&self, clock: &mut Clock<'_>) -> Result<()> {
         clock.worked();
         let got = self.stop.recv(&self.permits.1);
@@ -101,7 +102,7 @@ impl<T> Order<T> {
                 let now = turns.now;
                 turns.ahead.remove(&now)
             };
-            // One of the permits that were taken, so there is room.
+            // One of the permits that were taken, so the channel has space for it.
             self.permits.0.try_send(()).unwrap_or_default();
             match next {
                 Some(Ahead::Done(Some(item))) => self.send(item, clock)?,
@@ -135,7 +136,7 @@ impl<T> Place<'_, T> {
         self.order.send(item, clock)
     }
 
-    /// The item is done: leaves what is parked to whoever has the turn, or passes the turn on.
+    /// Ends the item: passes the turn on, or leaves the parked output to the worker that has the turn.
     pub(super) fn finish(mut self, clock: &mut Clock<'_>) -> Result<()> {
         {
             let mut turns = lock(&self.order.turns);

@@ -1,8 +1,8 @@
-//! How many workers a run gets. Pure functions, so that a plan and a run agree.
+//! The number of workers of a run. Pure functions, so a plan and a run agree.
 
 use super::order;
 
-/// The threads to use: as many as asked for, or all there are where 0 is asked for.
+/// The threads to use: as many as asked for, or all that are available where 0 is asked for.
 pub fn threads(asked: usize, available: usize) -> usize {
     if asked == 0 { available.max(1) } else { asked }
 }
@@ -12,8 +12,8 @@ pub fn available() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
 }
 
-/// The most items that a map and the queue before it hold at once, where it gives at most one output per item. A plan
-/// reckons memory with it.
+/// The most items that a map with at most one output per item and the queue before it hold at once. A plan computes
+/// memory from it.
 pub fn most_held(workers: usize, queue: usize) -> usize {
     queue + order::held(workers.max(1))
 }

@@ -1,7 +1,7 @@
 //! Wires stages into a flow and runs it: every stage on its own named threads, all in one scope.
 //!
 //! ```
-//! # use gonio::base::Result;
+//! # use gonio::Result;
 //! # use gonio::flow::{End, Flow, Fold, Map, Meter, Outlet, Source, StopSignal};
 //! struct Upto(u64);
 //! impl Source for Upto {
@@ -38,7 +38,7 @@
 //! let meters = flow.meters(); // to be read by another thread meanwhile
 //! assert_eq!(flow.run()?, 30);
 //! assert_eq!(meters[2].read().items_in, 5);
-//! # Ok::<(), gonio::base::Error>(())
+//! # Ok::<(), gonio::Error>(())
 //! ```
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -47,18 +47,18 @@ use std::sync::{Arc, Mutex};
 use std::thread;
 
 use super::channel::{self, Receiver, Sender};
-use super::lock;
 use super::meter::{Clock, Meter};
+use super::mutex::lock;
 use super::order::Order;
 use super::stage::{End, Fold, Map, Outlet, Source};
 use super::stop::{Bomb, StopSignal};
 use crate::base::{Error, Result};
 
-/// A flow that still lacks its fold; `T` is what comes out of its last stage.
+/// A flow that still lacks its fold; its last stage produces `T`.
 #[must_use = "a flow without a fold does nothing"]
 pub struct Flow<'env, T> {
     wiring: Wiring<'env>,
-    /// Gives the last stage its output channel, which is made when the stage after it is known.
+    /// Starts the last stage with its output channel, which is made when the stage after it is known.
     connect: Box<dyn FnOnce(Sender<T>) -> Vec<Task<'env>> + 'env>,
 }
 
@@ -77,7 +77,7 @@ struct Wiring<'env> {
     tasks: Vec<Task<'env>>,
 }
 
-/// What one thread does.
+/// The work of one thread.
 struct Task<'env> {
     stage: String,
     thread: String,
@@ -155,11 +155,11 @@ impl<R: Send> Ready<'_, R> {
         self.wiring.meters.clone()
     }
 
-    /// Runs to the end and gives the fold's result. All threads have joined when it returns.
+    /// Runs to the end and returns the fold's result. All threads have joined by then.
     ///
     /// # Errors
     /// The first error of any stage; `Error::Panic` if one panicked; `Error::Interrupted` if the run was asked to stop
-    /// and the source was cut short: then all in flight has been folded and the fold has finished.
+    /// and the source was cut short: then all items in flight have been folded and the fold has finished.
     pub fn run(self) -> Result<R> {
         let Wiring { stop, cut, tasks, .. } = self.wiring;
         thread::scope(|scope| {
@@ -196,7 +196,7 @@ fn run_source<S: Source>(
     cut: &AtomicBool,
 ) -> Result<()> {
     let mut clock = Clock::start(meter);
-    // Whoever is told to stop is taken at his word: what the source has produced may not be all.
+    // A source that was told to stop counts as cut short: it may not have produced all.
     let stopping = || {
         stop.draining() && {
             cut.store(true, Ordering::Release);

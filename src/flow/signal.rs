@@ -1,13 +1,13 @@
-//! SIGINT and SIGTERM: the first drains the run, the second ends the process at once with exit code 130. Whatever was
-//! committed stays, and what was not is swept when the run is opened again.
+//! SIGINT and SIGTERM: the first drains the run, the second ends the process at once with exit code 130. Committed files
+//! stay; the others are swept when the run is opened again.
 
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::{SigId, flag, low_level};
 
-use super::StopSignal;
+use super::stop::StopSignal;
 use crate::base::{Error, Result};
 
-/// What a shell expects of a command that was interrupted.
+/// The exit code that a shell expects of an interrupted command.
 const INTERRUPTED: i32 = 130;
 
 /// Signals reach the stop signal as long as this lives.

@@ -1,67 +1,67 @@
-//! The three kinds of stage, and no more; use the weakest that works. A map is weaker than a fold: it keeps nothing
-//! from one item to the next but scratch space, so that any number of workers give the same answer.
+//! The three kinds of stage; use the weakest that works. A map is weaker than a fold: from one item to the next it keeps
+//! nothing but scratch memory, so any number of workers give the same answer.
 
 use super::meter::{Meter, Skipped};
 use crate::base::Result;
 
 /// Produces items, on one thread.
 pub trait Source: Send {
-    /// What it produces.
+    /// The items that it produces.
     type Out: Send;
 
-    /// How many items it will produce, where it knows; progress is shown against it.
+    /// The number of items that it will produce, where it knows; progress is shown against it.
     fn total(&self) -> Option<u64> {
         None
     }
 
-    /// Produces all. When the run drains, `out.send` answers `Error::Interrupted`: pass it on with `?`, or ask
+    /// Produces all items. When the run drains, `out.send` returns `Error::Interrupted`: pass it on with `?`, or ask
     /// [`Outlet::stopping`] before costly work and return.
     fn run(self, out: &mut Outlet<'_, Self::Out>) -> Result<()>;
 }
 
 /// Turns each item into none, one or many, on n workers that share `self`. Outputs leave in input order.
 pub trait Map: Send + Sync {
-    /// What it takes.
+    /// The items that it takes.
     type In: Send;
-    /// What it gives.
+    /// The items that it gives.
     type Out: Send;
-    /// What a worker keeps between items to save allocations or set-up. It must not change any output.
+    /// The memory that a worker keeps between items to save allocations or set-up. It must not change any output.
     type Scratch;
 
     /// Makes one worker's scratch, on its thread.
     fn scratch(&self) -> Result<Self::Scratch>;
 
-    /// Treats one item. Outside its turn a worker may run ahead by one output and waits at the second; so a map that
-    /// gives many per item is slowed to its own order, and one that gives at most one is not.
+    /// Processes one item. A worker before its turn may run ahead by one output and waits with the second; so a map that
+    /// gives many outputs per item waits for its own order, and one that gives at most one does not.
     fn apply(&self, scratch: &mut Self::Scratch, item: Self::In, out: &mut Outlet<'_, Self::Out>) -> Result<()>;
 }
 
-/// Takes all items in order, on one thread, then gives one result. The only kind of stage that should hold a memory
-/// reservation, since it can spill.
+/// Takes all items in order, on one thread, then gives one result. Only a fold should hold a reservation of memory for as
+/// long as the flow runs: it alone can spill.
 pub trait Fold: Send {
-    /// What it takes.
+    /// The items that it takes.
     type In: Send;
-    /// What comes of it.
+    /// The result.
     type Out: Send;
 
     /// Takes one item.
     fn take(&mut self, item: Self::In, meter: &Meter) -> Result<()>;
 
-    /// Commits and concludes. `end` says whether these were all items or the run was asked to stop: then commit what
-    /// is whole, and no more.
+    /// Commits and gives the result. `end` says whether all items came or the run was asked to stop: then commit only
+    /// units that are whole.
     fn finish(self, end: End, meter: &Meter) -> Result<Self::Out>;
 }
 
-/// How a fold's input ended.
+/// The end of a fold's input.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum End {
-    /// The source produced all that it had.
+    /// The source produced all its items.
     Complete,
-    /// The source was cut short by a drain; all that it had produced has been folded.
+    /// A drain cut the source short; all items that it had produced have been folded.
     Drained,
 }
 
-/// Where a source or a map puts its outputs.
+/// The place where a source or a map puts its outputs.
 pub struct Outlet<'a, T> {
     send: &'a mut dyn FnMut(T) -> Result<()>,
     stopping: &'a dyn Fn() -> bool,
@@ -69,7 +69,7 @@ pub struct Outlet<'a, T> {
 }
 
 impl<'a, T> Outlet<'a, T> {
-    /// An outlet onto anything; stages are tested with one onto a `Vec`.
+    /// An outlet onto any function; tests of stages use one onto a `Vec`.
     pub fn new(
         meter: &'a Meter,
         stopping: &'a dyn Fn() -> bool,
@@ -78,17 +78,17 @@ impl<'a, T> Outlet<'a, T> {
         Outlet { send, stopping, meter }
     }
 
-    /// Passes an item on; waits while the next stage is behind. `Error::Interrupted` when the run stops.
+    /// Passes an item on, and waits while the next queue is full. `Error::Interrupted` when the run stops.
     pub fn send(&mut self, item: T) -> Result<()> {
         (self.send)(item)
     }
 
-    /// Whether to end early. Only a source may heed it: to a map, what is in flight is to be finished.
+    /// Whether to end early. Only a source may ask: a map finishes the items in flight.
     pub fn stopping(&self) -> bool {
         (self.stopping)()
     }
 
-    /// Notes an item that cannot be used.
+    /// Notes a skipped item.
     pub fn skip(&self, skipped: Skipped) {
         self.meter.skip(skipped);
     }

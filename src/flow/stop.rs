@@ -1,4 +1,4 @@
-//! How a run stops before its end: the shared signal, the first cause, and the bomb in every thread.
+//! The stop of a run before its end: the shared signal, the first cause, and the bomb in every thread.
 
 use std::any::Any;
 use std::convert::Infallible;
@@ -7,22 +7,22 @@ use std::sync::{Arc, Mutex};
 
 use crossbeam_channel::{Receiver, Sender, select_biased};
 
-use super::lock;
+use super::mutex::lock;
 use crate::base::{Error, Result};
 
-/// Stops a run, in one of two ways; cloning shares it. One for the whole run: what has been halted stays so.
+/// Stops a run in one of two ways; clones share it. The whole run has one, and a halt cannot be undone.
 ///
-/// Drain asks sources to end early and lets what is in flight be finished. Halt ends every wait at once.
+/// Drain asks sources to end early, and the items in flight are finished. Halt ends every wait at once.
 #[derive(Debug, Clone)]
 pub struct StopSignal(Arc<Shared>);
 
 #[derive(Debug)]
 struct Shared {
-    /// In an `Arc` of its own, since a signal handler may do no more than set a flag.
+    /// In an `Arc` of its own: a signal handler may only set a flag.
     draining: Arc<AtomicBool>,
     halted: AtomicBool,
     cause: Mutex<Option<Error>>,
-    /// Nothing is ever sent here. Dropping it closes `wake`, which all who wait listen to.
+    /// Nothing is ever sent here. Dropping it closes `wake`, to which every wait listens.
     awake: Mutex<Option<Sender<Infallible>>>,
     wake: Receiver<Infallible>,
 }
@@ -39,7 +39,7 @@ impl StopSignal {
         Self::default()
     }
 
-    /// A signal for another try: not halted, and drained by whatever drains this one.
+    /// A signal for another try: not halted, and drained when this one is.
     pub fn again(&self) -> StopSignal {
         StopSignal::drained_by(self.drain_flag())
     }
@@ -55,7 +55,7 @@ impl StopSignal {
         }))
     }
 
-    /// Asks sources to end; what is in flight is finished and committed.
+    /// Asks sources to end; the items in flight are finished and committed.
     pub fn drain(&self) {
         self.0.draining.store(true, Ordering::SeqCst);
     }
@@ -65,7 +65,7 @@ impl StopSignal {
         self.0.draining.load(Ordering::SeqCst) || self.halted()
     }
 
-    /// Stops everything at once. The first error that is not itself the consequence of a stop
+    /// Stops all stages at once. The first error that is not itself the consequence of a stop
     /// ([`Error::is_interrupt`]) is kept as the cause.
     pub fn halt(&self, why: Error) {
         if !why.is_interrupt() {
@@ -75,7 +75,7 @@ impl StopSignal {
         lock(&self.0.awake).take();
     }
 
-    /// Whether everything is to stop at once.
+    /// Whether all stages are to stop at once.
     pub fn halted(&self) -> bool {
         self.0.halted.load(Ordering::SeqCst)
     }
@@ -85,7 +85,7 @@ impl StopSignal {
         Arc::clone(&self.0.draining)
     }
 
-    /// Takes the first cause out, if there was one.
+    /// Takes out the first cause, if there was one.
     pub(super) fn take_cause(&self) -> Option<Error> {
         lock(&self.0.cause).take()
     }
@@ -98,7 +98,7 @@ impl StopSignal {
         }
     }
 
-    /// Waits for room and sends: an error when the channel has closed or the run halts first.
+    /// Waits for space and sends: an error when the channel has closed or the run halts first.
     pub(super) fn send<T>(&self, to: &Sender<T>, item: T) -> Result<()> {
         select_biased! {
             recv(self.0.wake) -> _ => Err(Error::Interrupted),
@@ -107,7 +107,7 @@ impl StopSignal {
     }
 }
 
-/// Halts the run unless defused: every thread carries one, so that none can die unnoticed.
+/// Halts the run unless defused: every thread carries one, so no thread dies unnoticed.
 #[derive(Debug)]
 #[must_use]
 pub(super) struct Bomb {

@@ -1,5 +1,5 @@
-//! Whether a Linux shared library is all there. The system's loader maps what the header promises, and a file cut short
-//! then kills the process at the first touch of a missing page; so the promise is checked first.
+//! Whether the file of a Linux shared library is complete. The system's loader maps all that the header promises, and if the
+//! file is cut short, the first touch of a missing page kills the process; so the promise is checked first.
 //!
 //! ELF-64, System V ABI 4.1 "Object Files": the section table ends the file (`e_shoff`, `e_shentsize`, `e_shnum`), and
 //! every program header's `p_offset + p_filesz` lies within it.
@@ -8,23 +8,23 @@ use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom};
 use std::path::Path;
 
-/// Says what is wrong with a library file, if anything is. Files of other systems' formats pass.
+/// Checks that a library's file is complete. Files of other systems' formats pass.
 pub(super) fn complete(path: &Path) -> Result<(), String> {
-    let kind = path.metadata().map_err(|e| e.to_string())?;
-    if !kind.is_file() {
+    let metadata = path.metadata().map_err(|e| e.to_string())?;
+    if !metadata.is_file() {
         return Err("it is no file".into());
     }
     let mut file = File::open(path).map_err(|e| e.to_string())?;
     match segments_end(&mut file) {
-        Ok(Some(end)) if end > kind.len() => {
-            Err(format!("it is cut short: {} bytes of at least {end}; copy or install it again", kind.len()))
+        Ok(Some(end)) if end > metadata.len() => {
+            Err(format!("it is cut short: {} bytes of at least {end}; copy or install it again", metadata.len()))
         }
         Ok(_) => Ok(()),
         Err(e) => Err(format!("it is no complete shared library: {e}")),
     }
 }
 
-/// Where the file must at least end, or `None` where it is no ELF-64 file.
+/// The least length of a complete file, or `None` if the file is no ELF-64 file.
 fn segments_end(file: &mut File) -> io::Result<Option<u64>> {
     let mut header = [0u8; 64];
     let mut magic = 0;

@@ -1,110 +1,125 @@
-//! tract, the built-in engine.
+//! rten, the built-in engine.
+//!
+//! rten runs in a pool of threads. Each session has a pool of one thread, so the work of a session is not shared out and its
+//! bits do not depend on the machine. rten also starts a pool for the whole process, which only folds constants when a model
+//! is loaded and is idle from then on; [`one_thread`] keeps that pool small.
 
-use std::collections::HashMap;
+use std::env;
+use std::error::Error;
 use std::sync::Arc;
 
-use tract_onnx::pb::ModelProto;
-use tract_onnx::prelude::{
-    Framework, InferenceModelExt, IntoRunnable, Symbol, TDim, Tensor, ToDim, TractError, TypedModel,
-    TypedRunnableModel, tvec,
-};
+use rten::{Model, ModelOptions, NodeId, RunOptions, ThreadPool, ValueOrView, ValueView};
 
 use super::contract::{Contract, Input};
-use super::onnx::{Engine, Maps, guarded};
+use super::engine::{Batch, Engine, guarded};
+use super::rewrite;
 use crate::scene::Material;
 
-/// Maps at once. Convolutions are slower on larger batches; the products of sets of bins are several times faster.
-pub(super) fn micro_batch(input: Input) -> usize {
+/// The engine and its version, for the log and the recipe.
+pub(super) const VERSION: &str = "rten 0.27.0";
+
+/// The number of maps of this size that go through the engine at once. rten packs some weights anew for each batch, so few
+/// maps cost more each; of large maps fewer fit the processor's caches.
+pub(super) fn micro_batch(input: Input, size: usize) -> usize {
     match input {
         Input::Dense { .. } => 1,
-        Input::Bins { .. } => 16,
+        Input::Bins { .. } => (1024 / size).clamp(1, 64),
     }
 }
 
-/// The engine and its version, for the log and the key.
-pub(super) const VERSION: &str = "tract 0.23.9";
+/// Limits rten's pool for the whole process to one thread, unless the user set `RTEN_NUM_THREADS`.
+///
+/// # Safety
+/// No other thread runs yet.
+pub(crate) unsafe fn one_thread() {
+    const VARIABLE: &str = "RTEN_NUM_THREADS";
+    if env::var_os(VARIABLE).is_none() {
+        // SAFETY: no other thread reads the environment, since none runs.
+        unsafe { env::set_var(VARIABLE, "1") };
+    }
+}
 
-/// A model made ready for each size of map, its weights packed once; sessions share it.
+/// A model made ready, its weights packed once. All sessions share it.
 #[derive(Clone)]
-pub(super) struct Plan {
-    sized: Arc<[Sized]>,
+pub(super) struct Prepared {
+    model: Arc<Model>,
+    maps: NodeId,
+    /// The input for the light and the number of its values.
+    light: Option<(NodeId, usize)>,
+    mu: NodeId,
 }
 
-/// A model made ready for one size of map.
-struct Sized {
-    model: Arc<TypedRunnableModel>,
-    /// The shape of each input, in the graph's order.
-    inputs: Vec<Vec<usize>>,
-}
-
-impl Plan {
-    /// Optimises a model for [`micro_batch`] maps of each size. Says why it cannot.
-    pub(super) fn new(contract: &Contract, proto: &ModelProto) -> Result<Plan, String> {
+impl Prepared {
+    /// Loads and optimises a model whose bytes keep the contract. An error says why it could not.
+    pub(super) fn new(contract: &Contract, bytes: &[u8]) -> Result<Prepared, String> {
         guarded(|| {
-            let said = |e: TractError| format!("{e:#}");
-            // Shapes that the file notes for intermediate values may contradict a fixed batch: keep N symbolic until typed.
-            let typed = tract_onnx::onnx().model_for_proto_model(proto).map_err(said)?.into_typed().map_err(said)?;
-            let sizes = contract.input.sizes();
-            let sized = sizes.into_iter().map(|size| Sized::new(contract, &typed, size)).collect::<Result<_, _>>()?;
-            Ok(Plan { sized })
+            let bytes = rewrite::for_rten(bytes)?;
+            let model = ModelOptions::with_all_ops().prepack_weights(true).load(bytes).map_err(words)?;
+            let node = |name| model.node_id(name).map_err(words);
+            let light = contract.light.wanted().then(|| node("light")).transpose()?;
+            let (maps, mu) = (node(contract.input.name())?, node("mu")?);
+            Ok(Prepared { maps, light: light.map(|id| (id, contract.light.values())), mu, model: Arc::new(model) })
         })
     }
-}
 
-impl Sized {
-    fn new(contract: &Contract, typed: &TypedModel, size: usize) -> Result<Sized, String> {
-        let said = |e: TractError| format!("{e:#}");
-        let batch = micro_batch(contract.input);
-        let (mut sizes, mut inputs) = (HashMap::<Symbol, TDim>::new(), Vec::new());
-        for input in 0..typed.inputs.len() {
-            let fact = typed.input_fact(input).map_err(said)?;
-            let shape =
-                if fact.rank() > 2 { contract.shape(batch, size) } else { vec![batch, contract.light.values()] };
-            for (declared, &size) in fact.shape.iter().zip(&shape) {
-                let bound = match declared {
-                    TDim::Sym(name) => &*sizes.entry(name.clone()).or_insert_with(|| size.to_dim()),
-                    fixed => fixed,
-                };
-                if *bound != size.to_dim() {
-                    return Err(format!("input {input} is declared {:?}, and {shape:?} does not fit it", fact.shape));
-                }
-            }
-            inputs.push(shape);
-        }
-        let bound = typed.clone().set_symbols(&sizes).map_err(said)?;
-        let model = bound.into_optimized().and_then(|m| m.into_runnable()).map_err(said)?;
-        Ok(Sized { model, inputs })
+    /// Starts the thread of one session.
+    pub(super) fn engine(&self) -> Embedded {
+        let pool = Arc::new(ThreadPool::with_num_threads(1));
+        Embedded { prepared: self.clone(), options: RunOptions::default().with_thread_pool(Some(pool)) }
     }
 }
 
-impl Engine for Plan {
-    fn run(&mut self, maps: Maps<'_>, mu: &mut [f32]) -> Result<(), String> {
-        let Sized { model, inputs } = &self.sized[maps.size];
+/// The engine of one session.
+pub(super) struct Embedded {
+    prepared: Prepared,
+    options: RunOptions,
+}
+
+impl Engine for Embedded {
+    fn run(&mut self, batch: Batch<'_>, mu: &mut [f32]) -> Result<(), String> {
+        let Embedded { prepared, options } = self;
         guarded(|| {
-            let said = |e: TractError| format!("{e:#}");
-            let mut values = tvec![];
-            for shape in inputs {
-                let array = if shape.len() > 2 { maps.values } else { maps.lights };
-                values.push(Tensor::from_shape(shape, array).map_err(said)?.into());
+            let count = mu.len() / Material::LEN;
+            let mut inputs = vec![(prepared.maps, view(batch.shape, batch.maps)?)];
+            if let Some((light, values)) = prepared.light {
+                inputs.push((light, view(&[count, values], batch.lights)?));
             }
-            let outputs = model.run(values).map_err(said)?;
-            let found = outputs[0].to_plain_array_view::<f32>().map_err(said)?;
-            let needed = [mu.len() / Material::LEN, Material::LEN];
-            match found.as_slice() {
-                Some(rows) if found.shape() == needed => mu.copy_from_slice(rows),
-                _ => return Err(format!("mu came out as {:?}, and {needed:?} is needed", found.shape())),
+            let outputs = prepared.model.run(inputs, &[prepared.mu], Some(options.clone())).map_err(words)?;
+            let found = outputs.into_iter().next().ok_or("mu did not come out")?;
+            let (shape, found) = found.into_shape_vec::<f32, 2>().map_err(words)?;
+            if shape != [count, Material::LEN] {
+                return Err(format!("mu came out as {shape:?}, and {:?} is needed", [count, Material::LEN]));
             }
+            mu.copy_from_slice(&found);
             Ok(())
         })
     }
+}
+
+fn view<'a>(shape: &[usize], values: &'a [f32]) -> Result<ValueOrView<'a>, String> {
+    Ok(ValueView::from_shape(shape, values).map_err(words)?.into())
+}
+
+/// An error with its causes.
+fn words(error: impl Error) -> String {
+    let mut words = error.to_string();
+    let mut cause = error.source();
+    while let Some(next) = cause {
+        let next_words = next.to_string();
+        if !words.contains(&next_words) {
+            words = format!("{words}: {next_words}");
+        }
+        cause = next.source();
+    }
+    words
 }
 
 #[cfg(test)]
 mod tests {
     #[test]
     fn the_version_named_is_the_version_locked() {
-        let version = super::VERSION.strip_prefix("tract ").unwrap();
-        let locked = format!("name = \"tract-onnx\"\nversion = \"{version}\"");
+        let version = super::VERSION.strip_prefix("rten ").unwrap();
+        let locked = format!("name = \"rten\"\nversion = \"{version}\"");
         assert!(include_str!("../../Cargo.lock").contains(&locked), "{locked}");
     }
 }

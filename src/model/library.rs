@@ -1,5 +1,5 @@
-//! Finding and opening an ONNX Runtime library. A process can hold one, and never lets go of it. Nothing is opened that
-//! is not complete, and nothing is kept that is not ONNX Runtime.
+//! Finding and opening an ONNX Runtime library. A process can hold one library, and keeps it to the end. Only a complete file
+//! is opened, and only ONNX Runtime is kept.
 
 use std::env;
 use std::ffi::{CStr, OsStr};
@@ -10,43 +10,44 @@ use ort::environment::Environment;
 use ort::logging::LogLevel;
 use ort::sys::OrtApiBase;
 
-use super::onnx::guarded;
-use super::{Backend, elf};
+use super::backend::Backend;
+use super::elf;
+use super::engine::guarded;
 use crate::base::{Error, Result};
 
 /// The environment variable that names a library.
 pub(super) const VARIABLE: &str = "ORT_DYLIB_PATH";
 
-/// Where to look for a library.
+/// The library that is wanted.
 #[derive(Debug, PartialEq, Eq)]
-pub(super) enum Choice {
-    /// Nowhere: the built-in engine is wanted.
+pub(super) enum Wanted {
+    /// No library: the built-in engine is wanted.
     None,
-    /// In one place, named by the pipeline file or the environment; it must be there.
+    /// One file, named by the pipeline file or the environment; it must be there.
     Named {
-        /// The library.
+        /// The library's file.
         path: PathBuf,
-        /// Who named it.
+        /// The key or the variable that names the file.
         by: &'static str,
     },
-    /// Where libraries lie.
+    /// Any file where libraries are installed.
     Search {
-        /// Whether one must be found.
+        /// Whether a library must be found.
         required: bool,
     },
 }
 
-impl Choice {
-    /// What the pipeline file and the environment ask for. An empty variable counts as none.
-    pub(super) fn new(backend: Backend, library: Option<&Path>, variable: Option<&OsStr>) -> Choice {
+impl Wanted {
+    /// The library that the pipeline file and the environment ask for. An empty variable counts as none.
+    pub(super) fn new(backend: Backend, library: Option<&Path>, variable: Option<&OsStr>) -> Wanted {
         if backend == Backend::Embedded {
-            return Choice::None;
+            return Wanted::None;
         }
         let variable = variable.filter(|v| !v.is_empty()).map(Path::new);
         let named = library.map(|l| (l, "library")).or(variable.map(|v| (v, VARIABLE)));
         match named {
-            Some((path, by)) => Choice::Named { path: path.to_owned(), by },
-            None => Choice::Search { required: backend == Backend::OnnxRuntime },
+            Some((path, by)) => Wanted::Named { path: path.to_owned(), by },
+            None => Wanted::Search { required: backend == Backend::OnnxRuntime },
         }
     }
 }
@@ -54,10 +55,10 @@ impl Choice {
 /// An ONNX Runtime library, open.
 #[derive(Clone)]
 pub(super) struct Library {
-    /// Its file.
+    /// The library's file.
     pub(super) path: PathBuf,
     version: String,
-    /// What its sessions are made in.
+    /// The environment of the library's sessions.
     pub(super) environment: Environment,
 }
 
@@ -68,19 +69,19 @@ impl Library {
     }
 }
 
-/// Opens what was chosen: the library, if any, and what the log should know about one passed over.
+/// Opens the wanted library. Returns the library, if any, and a note for the log on libraries that were passed over.
 ///
 /// # Errors
 /// A named or required library that cannot be used.
-pub(super) fn open(choice: &Choice) -> Result<(Option<Library>, Option<String>)> {
+pub(super) fn open(wanted: &Wanted) -> Result<(Option<Library>, Option<String>)> {
     let needed = format!("needed: the shared library of ONNX Runtime 1.{} or newer", ort::MINOR_VERSION);
-    match choice {
-        Choice::None => Ok((None, None)),
-        Choice::Named { path, by } => match open_file(path) {
+    match wanted {
+        Wanted::None => Ok((None, None)),
+        Wanted::Named { path, by } => match open_file(path) {
             Ok(library) => Ok((Some(library), None)),
             Err(why) => Err(Error::malformed(path, format!("named by {by}, but {why}; {needed}"))),
         },
-        Choice::Search { required } => {
+        Wanted::Search { required } => {
             let mut faults = Vec::new();
             for path in folders().iter().flat_map(|f| names().map(|n| f.join(n))).filter(|p| p.exists()) {
                 match open_file(&path) {
@@ -99,7 +100,7 @@ pub(super) fn open(choice: &Choice) -> Result<(Option<Library>, Option<String>)>
     }
 }
 
-/// Where a library may lie, nearest first.
+/// The folders where a library may be installed, nearest first.
 fn folders() -> Vec<PathBuf> {
     let beside = env::current_exe().ok().and_then(|exe| exe.parent().map(Path::to_owned));
     let listed = env::var_os("LD_LIBRARY_PATH").unwrap_or_default();
@@ -114,7 +115,7 @@ fn names() -> impl Iterator<Item = String> {
     [plain.clone(), format!("{plain}.1")].into_iter()
 }
 
-/// The library that this process holds. The environment is missing where the library came up but would not start.
+/// The library that this process holds. The second part is missing if the library was opened but did not start.
 static HELD: Mutex<Option<(PathBuf, Option<Library>)>> = Mutex::new(None);
 
 fn open_file(path: &Path) -> Result<Library, String> {
@@ -134,16 +135,16 @@ fn open_file(path: &Path) -> Result<Library, String> {
     *held = Some((path.clone(), None));
     let start = || builder.with_name("gonio").with_telemetry(false).build().map_err(|e| e.to_string());
     let environment = guarded(start)?;
-    // It would write to stderr what its errors say anyway.
+    // The library would repeat its errors on stderr.
     environment.set_log_level(LogLevel::Fatal);
     let library = Library { path: path.clone(), version, environment };
     *held = Some((path, Some(library.clone())));
     Ok(library)
 }
 
-/// The version that a library gives as its own, if it is ONNX Runtime and new enough.
+/// The version that a library reports, if the library is ONNX Runtime and new enough.
 fn version(path: &Path) -> Result<String, String> {
-    // SAFETY: opening a library runs its initialisers, which is what naming one asks for; it is complete.
+    // SAFETY: opening a library runs its initialisers, as the user who named it wants; the file is complete.
     let library = unsafe { libloading::Library::new(path) }.map_err(|e| {
         let cause = std::error::Error::source(&e).map_or_else(|| e.to_string(), ToString::to_string);
         format!("the system cannot open it: {cause}")
@@ -151,8 +152,8 @@ fn version(path: &Path) -> Result<String, String> {
     // SAFETY: the type is that of ONNX Runtime's C API, which has had this one entry point since 1.0.
     let entry = unsafe { library.get::<unsafe extern "system" fn() -> *const OrtApiBase>(b"OrtGetApiBase\0") }
         .map_err(|_| "it is not ONNX Runtime: it has no OrtGetApiBase".to_owned())?;
-    // SAFETY: the entry point takes nothing; what it returns, if anything, is a static table. The version is a static
-    // string that ends in a zero byte.
+    // SAFETY: the entry point takes no argument and returns null or a static table. The version is a static string that
+    // ends in a zero byte.
     let (version, serves) = unsafe {
         let base = entry().as_ref().ok_or("its OrtGetApiBase returns nothing")?;
         let version = CStr::from_ptr((base.GetVersionString)()).to_string_lossy().into_owned();
@@ -169,18 +170,18 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_named_is_used_and_what_is_not_is_searched() {
+    fn a_named_library_is_used_and_others_are_searched() {
         let (library, variable) = (Some(Path::new("/a")), Some(OsStr::new("/b")));
-        let named = |path: &str, by| Choice::Named { path: path.into(), by };
-        for (backend, library, variable, choice) in [
-            (Backend::Embedded, library, variable, Choice::None),
+        let named = |path: &str, by| Wanted::Named { path: path.into(), by };
+        for (backend, library, variable, wanted) in [
+            (Backend::Embedded, library, variable, Wanted::None),
             (Backend::Auto, library, variable, named("/a", "library")),
             (Backend::Auto, None, variable, named("/b", VARIABLE)),
             (Backend::OnnxRuntime, None, variable, named("/b", VARIABLE)),
-            (Backend::Auto, None, Some(OsStr::new("")), Choice::Search { required: false }),
-            (Backend::OnnxRuntime, None, None, Choice::Search { required: true }),
+            (Backend::Auto, None, Some(OsStr::new("")), Wanted::Search { required: false }),
+            (Backend::OnnxRuntime, None, None, Wanted::Search { required: true }),
         ] {
-            assert_eq!(Choice::new(backend, library, variable), choice);
+            assert_eq!(Wanted::new(backend, library, variable), wanted);
         }
     }
 }

@@ -1,16 +1,24 @@
-//! Maps as models eat them.
+//! Maps as models take them.
 //!
-//! A model of `bins` gets maps of like size together: each map is filled up to the least of a few sizes that holds it, and
-//! so its arithmetic does not depend on the maps beside it. Of more bins than the model takes, a fixed choice is kept.
+//! A model of `bins` gets maps of one size together. Each map is filled up to the least of a few sizes that holds it, so its
+//! arithmetic does not depend on the maps beside it. A map with more bins than the model takes keeps a fixed choice of them.
 
 use super::contract::{BIN, Contract, Input};
-use crate::scene::reflectance::{BINS, Bin, SparseMap, direction_of};
+use crate::scene::reflectance::{BINS, Bin, COLUMNS, ROWS, SparseMap, direction_of};
 
-/// Sizes of sets of bins. Scenes fill 5 to 50 bins, half of their maps under 16.
+/// The sizes of sets of bins. Scenes fill 5 to 50 bins, half of their maps under 16.
 const SIZES: [usize; 4] = [8, 16, 32, 64];
 
 impl Input {
-    /// The sizes that maps are filled up to, ascending; a dense map has one.
+    /// The name of the graph's input.
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Input::Dense { .. } => "map",
+            Input::Bins { .. } => "bins",
+        }
+    }
+
+    /// The sizes that maps are filled up to, ascending; a dense map has one size.
     pub(super) fn sizes(self) -> Vec<usize> {
         match self {
             Input::Dense { .. } => vec![BINS],
@@ -18,7 +26,7 @@ impl Input {
         }
     }
 
-    /// Values of a map of this size.
+    /// The number of values of a map of this size.
     pub(super) fn values(self, size: usize) -> usize {
         size * match self {
             Input::Dense { channels } => channels,
@@ -35,15 +43,14 @@ impl Input {
     }
 }
 
-/// The place of a map's size among [`Input::sizes`].
-pub(super) fn place(sizes: &[usize], map: &SparseMap) -> usize {
+/// The index in `sizes` of the least size that holds `map`; see [`Input::sizes`].
+pub(super) fn least_size(sizes: &[usize], map: &SparseMap) -> usize {
     sizes.partition_point(|&size| size < map.bins.len()).min(sizes.len() - 1)
 }
 
 impl Contract {
     /// The shape of `maps` maps of this size.
     pub(super) fn shape(&self, maps: usize, size: usize) -> Vec<usize> {
-        use crate::scene::reflectance::{COLUMNS, ROWS};
         match self.input {
             Input::Dense { channels } => vec![maps, channels, ROWS, COLUMNS],
             Input::Bins { .. } => vec![maps, size, BIN],
@@ -65,7 +72,8 @@ fn write_bins(map: &SparseMap, most: usize, out: &mut [f32]) {
     }
 }
 
-/// Which bins are kept first where there are too many: no two have the same rank, and no region is preferred.
+/// The rank of a bin: if a map has too many bins, those of the lowest ranks are kept. No two bins have the same rank, and no
+/// region is preferred.
 fn rank(bin: Bin) -> u32 {
     // An odd factor permutes the numbers below 2^32: the golden ratio's, as in Fibonacci hashing (Knuth, vol. 3, 6.4).
     u32::from(bin).wrapping_mul(0x9E37_79B9)
@@ -77,7 +85,7 @@ mod tests {
     use crate::scene::reflectance::{BinSum, FRONT_BINS};
 
     fn map(bins: impl Iterator<Item = usize>) -> SparseMap {
-        SparseMap { bins: bins.map(|b| (b as Bin, BinSum::one([0.25, 0.5, 1.0], false))).collect() }
+        SparseMap { bins: bins.map(|b| (Bin::try_from(b).unwrap(), BinSum::one([0.25, 0.5, 1.0], false))).collect() }
     }
 
     #[test]
@@ -85,10 +93,10 @@ mod tests {
         let input = Input::Bins { most: 24 };
         assert_eq!(input.sizes(), [8, 16, 24]);
         for (bins, size) in [(0, 8), (8, 8), (9, 16), (17, 24), (24, 24), (25, 24), (3600, 24)] {
-            assert_eq!(input.sizes()[place(&input.sizes(), &map(0..bins))], size, "{bins}");
+            assert_eq!(input.sizes()[least_size(&input.sizes(), &map(0..bins))], size, "{bins}");
         }
         assert_eq!(Input::Bins { most: 8 }.sizes(), [8]);
-        assert_eq!(place(&Input::Dense { channels: 4 }.sizes(), &map(0..99)), 0);
+        assert_eq!(least_size(&Input::Dense { channels: 4 }.sizes(), &map(0..99)), 0);
     }
 
     #[test]
@@ -108,7 +116,10 @@ mod tests {
         assert!(rows.iter().all(|row| row[6] == 1.0));
         // Every sixth of the azimuth has its share.
         let mut sixths = [0; 6];
-        rows.iter().for_each(|row| sixths[((row[1].atan2(row[0]) / std::f32::consts::PI + 1.0) * 2.999) as usize] += 1);
+        for row in rows {
+            let turn = (row[1].atan2(row[0]) / std::f32::consts::PI + 1.0) * 2.999;
+            sixths[(1..6u8).filter(|n| turn >= f32::from(*n)).count()] += 1;
+        }
         assert!(sixths.iter().all(|n| (6..=16).contains(n)), "{sixths:?}");
     }
 }

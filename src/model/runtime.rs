@@ -4,53 +4,47 @@ use ort::session::Session;
 use ort::session::builder::GraphOptimizationLevel;
 use ort::value::TensorRef;
 
-use super::contract::{Contract, Input, LightInput};
+use super::contract::{Contract, LightInput};
+use super::engine::{Batch, Engine, guarded};
 use super::library::Library;
-use super::onnx::{Engine, Maps, guarded};
 use crate::scene::Material;
 
-/// Maps at once.
+/// The number of maps that go through the engine at once.
 pub(super) const MICRO_BATCH: usize = 16;
 
-/// One session.
+/// One session of ONNX Runtime.
 pub(super) struct OnnxRuntime {
     session: Session,
-    /// The name of the input of maps, and its shape for each size.
+    /// The name of the input for maps.
     input: &'static str,
-    shapes: Vec<Vec<usize>>,
     light: LightInput,
 }
 
 impl OnnxRuntime {
-    /// Makes a session. Says why it cannot.
+    /// Makes a session. An error says why it could not.
     pub(super) fn new(library: &Library, contract: &Contract, bytes: &[u8]) -> Result<OnnxRuntime, String> {
         let session = guarded(|| {
             let builder = Session::builder(&library.environment).map_err(|e| e.to_string())?;
-            // Level 3 has another meaning in older libraries; All is accepted by each.
+            // Level 3 has another meaning in older libraries; every library accepts All.
             let builder = builder.with_optimization_level(GraphOptimizationLevel::All).map_err(|e| e.to_string())?;
             let builder = builder.with_intra_threads(1).map_err(|e| e.to_string())?;
             let builder = builder.with_inter_threads(1).map_err(|e| e.to_string())?;
             let mut builder = builder.with_intra_op_spinning(false).map_err(|e| e.to_string())?;
             builder.commit_from_memory(bytes).map_err(|e| e.to_string())
         })?;
-        let input = match contract.input {
-            Input::Dense { .. } => "map",
-            Input::Bins { .. } => "bins",
-        };
-        let shapes = contract.input.sizes().into_iter().map(|size| contract.shape(MICRO_BATCH, size)).collect();
-        Ok(OnnxRuntime { session, input, shapes, light: contract.light })
+        Ok(OnnxRuntime { session, input: contract.input.name(), light: contract.light })
     }
 }
 
 impl Engine for OnnxRuntime {
-    fn run(&mut self, maps: Maps<'_>, mu: &mut [f32]) -> Result<(), String> {
-        let OnnxRuntime { session, input, shapes, light } = self;
-        let shape = shapes[maps.size].as_slice();
+    fn run(&mut self, batch: Batch<'_>, mu: &mut [f32]) -> Result<(), String> {
+        let OnnxRuntime { session, input, light } = self;
         guarded(|| {
             let said = |e: ort::Error| e.to_string();
-            let mut inputs = ort::inputs![*input => TensorRef::from_array_view((shape, maps.values)).map_err(said)?];
+            let mut inputs =
+                ort::inputs![*input => TensorRef::from_array_view((batch.shape, batch.maps)).map_err(said)?];
             if light.wanted() {
-                let lights = TensorRef::from_array_view(([MICRO_BATCH, light.values()], maps.lights)).map_err(said)?;
+                let lights = TensorRef::from_array_view(([MICRO_BATCH, light.values()], batch.lights)).map_err(said)?;
                 inputs.push(("light".into(), lights.into()));
             }
             let outputs = session.run(inputs).map_err(said)?;

@@ -1,4 +1,4 @@
-//! Where a model's bytes come from: the binary itself, or one file. Weights in further files are not followed.
+//! The source of a model's bytes: the binary itself, or one file. Weights in other files are not read.
 
 use std::borrow::Cow;
 use std::fs::File;
@@ -11,7 +11,7 @@ use crate::base::{Error, Result};
 /// A model that is part of the binary.
 #[derive(Debug, PartialEq, Eq)]
 pub struct BuiltIn {
-    /// What pipeline files call it.
+    /// The model's name in pipeline files.
     pub name: &'static str,
     bytes: &'static [u8],
 }
@@ -26,20 +26,20 @@ const LARGEST: u64 = Bytes::GIB;
 /// A model, by name or by file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum ModelSource {
-    /// Part of the binary.
+    /// A model that is part of the binary.
     BuiltIn(&'static BuiltIn),
     /// An ONNX file.
     File(PathBuf),
 }
 
 impl ModelSource {
-    /// What `text` means in a pipeline file: a built-in model's name, else a path relative to `folder`.
+    /// The model that `text` names in a pipeline file: a built-in model, else a file relative to `folder`.
     pub fn named(text: &str, folder: &Path) -> ModelSource {
         let built_in = BUILT_IN.iter().find(|m| m.name == text);
         built_in.map_or_else(|| ModelSource::File(folder.join(text)), ModelSource::BuiltIn)
     }
 
-    /// The name that errors give it.
+    /// The model's name in errors.
     pub(super) fn label(&self) -> &Path {
         match self {
             ModelSource::BuiltIn(model) => Path::new(model.name),

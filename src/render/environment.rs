@@ -1,9 +1,9 @@
 //! The light a scene stands in: a sun, and a sky of constant radiance above the horizon.
 //!
-//! What a surface sends back of the sky is approximated. Its diffuse part is exact up to the sampling: kd times the
-//! cosine-weighted share of the sky that the triangle sees. Its specular part is the lobe's directional albedo (the
-//! Fresnel-weighted share that a surface under a full sky reflects towards the viewer) times the same share, as if the
-//! blocked directions were spread evenly. Light from surface to surface is left out.
+//! The reflection of the sky is approximated. The diffuse part is exact up to the sampling: kd times the cosine-weighted
+//! share of the sky that the triangle sees. The specular part is the lobe's directional albedo (the Fresnel-weighted
+//! share that a surface under a full sky reflects towards the viewer) times the same share, as if the blocked directions
+//! were spread evenly. Light from surface to surface is left out.
 
 use glam::Vec3;
 
@@ -16,35 +16,37 @@ use crate::scene::reflectance::LobeFrame;
 
 /// A sun and a sky.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Lighting {
-    /// The sun; its shadows are cast.
+pub(crate) struct Lighting {
+    /// The sun, which casts shadows.
     pub sun: Sun,
-    /// The sky's radiance, linear RGB; what a white Lambertian under all of it has, too.
+    /// The sky's radiance, linear RGB; a white Lambertian under an open sky has the same.
     pub sky: Vec3,
-    /// Towards the zenith, unit: the sky is the hemisphere about it.
+    /// The unit vector to the zenith, the middle of the sky's hemisphere.
     pub up: Vec3,
-    /// What rays that leave the mesh see, linear RGB.
+    /// The radiance seen by rays that leave the mesh, linear RGB.
     pub background: Vec3,
-    /// The share of the sky that each triangle sees, in [0, 1], from `visibility`; empty where all see all of it.
+    /// The share of the sky that each triangle sees, in [0, 1], from `visibility`; empty where every triangle sees the
+    /// whole sky.
     pub visibility: Array<f32>,
 }
 
 impl Lighting {
-    /// A sun and a sky over z, all of it seen from everywhere.
-    pub fn new(sun: Sun, sky: Vec3) -> Lighting {
+    /// Light of a sun and of a sky about +z that every triangle sees whole.
+    pub(crate) fn new(sun: Sun, sky: Vec3) -> Lighting {
         Lighting { sun, sky, up: Vec3::Z, background: sky, visibility: Vec::new().into() }
     }
 
-    /// Radiance that a triangle sends back of the sky alone; `cos` is that of the viewer to the normal, in [0, 1].
+    /// The radiance that a triangle reflects of the sky alone; `cos`, in [0, 1], is the cosine between viewer and normal.
     #[inline]
-    pub fn ambient(&self, triangle: TriangleId, m: &Material, cos: f32) -> Vec3 {
-        let share = self.visibility.get(triangle as usize).copied().unwrap_or(1.0);
+    pub(crate) fn ambient(&self, triangle: TriangleId, m: &Material, cos: f32) -> Vec3 {
+        let share = self.visibility.get(triangle.index()).copied().unwrap_or(1.0);
         self.sky * share * (Vec3::from(m.kd) + Vec3::from(m.ks) * sky_specular(m.r, cos))
     }
 }
 
-/// The sun's radiance reflected towards `wo`, unshadowed; directions in the world, `frame` the triangle's.
+/// The radiance that a triangle reflects of the unshadowed sun towards `wo`. Directions are the world's, `frame` is the
+/// triangle's.
 #[inline]
-pub fn sunlit(sun: &Sun, m: &Material, frame: &LobeFrame, wo: Vec3) -> Vec3 {
+pub(crate) fn sunlit(sun: &Sun, m: &Material, frame: &LobeFrame, wo: Vec3) -> Vec3 {
     sun.color * brdf::radiance(m, frame.to_local(sun.direction), frame.to_local(wo))
 }

@@ -1,14 +1,14 @@
-//! How far estimated materials are from the truth.
+//! The errors of estimated materials against the truth.
 
 use crate::base::{Error, Result};
 use crate::scene::Material;
 
 /// The mean of the priors that estimators are trained on: the best constant guess before anything is seen.
-pub const TRAINING_MEAN: Material = Material { kd: [0.5; 3], ks: [0.5; 3], r: 0.5 };
+pub(crate) const TRAINING_MEAN: Material = Material { kd: [0.5; 3], ks: [0.5; 3], r: 0.5 };
 
-/// The share of the components of kd, of ks, and of roughnesses that are within one deviation of the truth, over the
-/// triangles that were seen and say one; `None` if none does.
-pub fn within(
+/// The shares of kd's components, of ks's components and of roughnesses that lie within one deviation of the truth, over
+/// the seen triangles that have a deviation; `None` if no triangle has one.
+pub(crate) fn within(
     truth: &[Material],
     estimate: &[Material],
     deviation: &[[f32; Material::LEN]],
@@ -28,25 +28,25 @@ pub fn within(
 
 /// Mean absolute errors of materials, over triangles and over the three channels of kd and ks.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct MaterialErrors {
-    /// Of the diffuse albedo.
+pub(crate) struct MaterialErrors {
+    /// The error of the diffuse albedo.
     pub kd: f64,
-    /// Of the specular scale.
+    /// The error of the specular scale.
     pub ks: f64,
-    /// Of the roughness.
+    /// The error of the roughness.
     pub r: f64,
     /// Triangles compared.
     pub count: u64,
-    /// Triangles that were seen but have no estimate (a component that is not finite); they are not in the means.
+    /// Seen triangles without an estimate (a component is not finite); the means leave these triangles out.
     pub missing: u64,
 }
 
-/// Compares an estimate with the truth over the triangles where `seen` is true. An estimate with a component that is
-/// not finite is none, and counts as missing. Means are NaN where nothing was compared.
+/// Compares an estimate with the truth over the triangles where `seen` is true. A triangle whose estimate has a component
+/// that is not finite counts as missing. Means are NaN where no triangle was compared.
 ///
 /// # Errors
-/// Lists of different lengths.
-pub fn compare(truth: &[Material], estimate: &[Material], seen: &[bool]) -> Result<MaterialErrors> {
+/// The lists differ in length.
+pub(crate) fn compare(truth: &[Material], estimate: &[Material], seen: &[bool]) -> Result<MaterialErrors> {
     same_length("triangles of the truth", truth.len(), "of the estimate", estimate.len())?;
     same_length("triangles of the truth", truth.len(), "in the list of seen ones", seen.len())?;
     let (mut sums, mut count, mut missing) = ([0.0_f64; Material::LEN], 0_u64, 0_u64);
@@ -65,15 +65,19 @@ pub fn compare(truth: &[Material], estimate: &[Material], seen: &[bool]) -> Resu
     Ok(MaterialErrors { kd: mean(0, 3), ks: mean(3, 6), r: mean(6, 7), count, missing })
 }
 
-/// The trivial guess from what was seen: mean radiance as diffuse albedo (at most 1), no specular part, middling
-/// roughness. Not finite, hence missing, where the mean is not.
-pub fn diffuse_guess(mean_radiance: &[[f32; 3]]) -> Vec<Material> {
+/// The trivial guess from the observations: mean radiance as diffuse albedo (at most 1), no specular part, middling
+/// roughness. Where the mean is not finite the guess is not, and counts as missing.
+pub(crate) fn diffuse_guess(mean_radiance: &[[f32; 3]]) -> Vec<Material> {
     // `clamp` keeps NaN.
     mean_radiance.iter().map(|m| Material { kd: m.map(|v| v.clamp(0.0, 1.0)), ks: [0.0; 3], r: 0.5 }).collect()
 }
 
 fn same_length(first: &str, a: usize, second: &str, b: usize) -> Result<()> {
-    if a == b { Ok(()) } else { Err(Error::invalid(format!("{a} {first}, but {b} {second}: they must be as many"))) }
+    if a == b {
+        Ok(())
+    } else {
+        Err(Error::invalid(format!("{a} {first}, but {b} {second}: the two counts must be equal")))
+    }
 }
 
 #[cfg(test)]
@@ -81,7 +85,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn truths_within_a_deviation_are_counted_by_kind() {
+    fn truths_within_a_deviation_are_counted_by_component() {
         let truth = [Material { kd: [0.5; 3], ks: [0.5; 3], r: 0.5 }; 3];
         let found = [Material { kd: [0.5, 0.6, 0.7], ks: [0.5; 3], r: 0.9 }; 3];
         let deviation = [[0.11; 7], [f32::NAN; 7], [0.5; 7]];

@@ -1,18 +1,18 @@
-//! Pictures of a mesh with materials, and how far two pictures, or two lists of materials, are apart.
+//! Pictures of a mesh with materials, and the errors of pictures and of materials.
 //!
-//! Everything is linear radiance in the units of `scene`: a white Lambertian that faces the sun has radiance 1. Light
-//! arrives from the sun (with cast shadows) and from a sky of constant radiance; light that bounces from surface to
-//! surface is left out.
+//! All pictures are linear radiance in the units of `scene`: a white Lambertian that faces the sun has radiance 1. Light
+//! arrives from the sun (with cast shadows) and from a sky of constant radiance; light from surface to surface is left
+//! out.
 
-pub mod environment;
-pub mod metrics;
-pub mod pictures;
-pub mod relight;
-pub mod similarity;
+pub(crate) mod environment;
+pub(crate) mod metrics;
+pub(crate) mod pictures;
+pub(crate) mod relight;
+pub(crate) mod similarity;
 #[cfg(test)]
 mod tests;
-pub mod visibility;
+pub(crate) mod visibility;
 
-pub use environment::Lighting;
-pub use relight::relight;
-pub use visibility::{Shares, sky_visibility};
+pub(crate) use environment::Lighting;
+pub(crate) use relight::relight;
+pub(crate) use visibility::{Shares, sky_visibility};

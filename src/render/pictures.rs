@@ -1,25 +1,27 @@
-//! How far pictures are from those that they should be. Values are clipped to [0, 1], whether they are linear radiance
-//! or something made of it.
+//! The errors of found pictures against wanted pictures. Values are clipped to [0, 1], whether they are linear radiance
+//! or encoded.
 
 use super::similarity::{Similarity, Windows};
 
-/// Errors over pixels, of one picture or of many together. A pixel of the wanted picture that is not finite is not
-/// compared. One where the found picture is NaN is all wrong: off by 1 in that channel.
+/// Errors summed over the pixels of one picture or of many. A pixel that is not finite in the wanted picture is not
+/// compared. A channel that is NaN in the found picture is off by 1.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct PixelErrors {
+pub(crate) struct PixelErrors {
     /// Pixels compared.
     pub count: u64,
-    /// Pixels compared where nothing was found, in any channel.
+    /// Pixels compared that the found picture lacks in any channel.
     pub missing: u64,
+    /// The sum of the errors' squares.
     squares: f64,
+    /// The sum of the errors' magnitudes.
     absolutes: f64,
-    /// Squares of what was wanted.
+    /// The sum of the wanted values' squares.
     wanted: f64,
 }
 
 impl PixelErrors {
     /// Adds pixels.
-    pub fn add(&mut self, wanted: &[[f32; 3]], found: &[[f32; 3]]) {
+    pub(crate) fn add(&mut self, wanted: &[[f32; 3]], found: &[[f32; 3]]) {
         for (p, q) in wanted.iter().zip(found).filter(|(p, _)| p.iter().all(|v| v.is_finite())) {
             for (x, y) in p.iter().zip(q) {
                 let x = f64::from(x.clamp(0.0, 1.0));
@@ -34,7 +36,7 @@ impl PixelErrors {
     }
 
     /// Adds the pixels of other pictures.
-    pub fn merge(&mut self, other: &PixelErrors) {
+    pub(crate) fn merge(&mut self, other: &PixelErrors) {
         self.count += other.count;
         self.missing += other.missing;
         self.squares += other.squares;
@@ -42,19 +44,19 @@ impl PixelErrors {
         self.wanted += other.wanted;
     }
 
-    /// Peak signal-to-noise ratio, dB, of a range of 1; infinite where all is equal, NaN where nothing was compared.
-    pub fn psnr(&self) -> f64 {
+    /// Peak signal-to-noise ratio for a range of 1, dB; infinite for equal pictures, NaN where no pixel was compared.
+    pub(crate) fn psnr(&self) -> f64 {
         -10.0 * (self.squares / self.values()).log10()
     }
 
-    /// Root mean square error over the root mean square of what was wanted; NaN where nothing was compared or both are
-    /// black, infinite where only what was wanted is.
-    pub fn nrmse(&self) -> f64 {
+    /// Root mean square error over the root mean square of the wanted values. NaN where no pixel was compared or both
+    /// pictures are black, infinite where the wanted picture alone is black.
+    pub(crate) fn nrmse(&self) -> f64 {
         (self.squares / self.wanted).sqrt()
     }
 
-    /// Mean absolute error; NaN where nothing was compared.
-    pub fn mae(&self) -> f64 {
+    /// Mean absolute error; NaN where no pixel was compared.
+    pub(crate) fn mae(&self) -> f64 {
         self.absolutes / self.values()
     }
 
@@ -63,19 +65,18 @@ impl PixelErrors {
     }
 }
 
-/// How far pictures are apart, pixel by pixel and window by window.
+/// The errors of pictures, pixel by pixel and window by window.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct PictureErrors {
-    /// Of their pixels.
+pub(crate) struct PictureErrors {
+    /// Errors of single pixels.
     pub pixels: PixelErrors,
-    /// Of their windows.
+    /// Similarity of windows.
     pub similarity: Similarity,
 }
 
 impl PictureErrors {
-    /// Of a picture whose rows, each of `width` pixels, are made by `row(y, wanted, found)`, which fills two vectors that
-    /// are handed to it empty.
-    pub fn of(
+    /// Compares a picture row by row. `row(y, wanted, found)` fills two empty vectors with the `width` pixels of row y.
+    pub(crate) fn of(
         width: usize,
         height: usize,
         mut row: impl FnMut(usize, &mut Vec<[f32; 3]>, &mut Vec<[f32; 3]>),
@@ -93,7 +94,7 @@ impl PictureErrors {
     }
 
     /// Adds other pictures.
-    pub fn merge(&mut self, other: &PictureErrors) {
+    pub(crate) fn merge(&mut self, other: &PictureErrors) {
         self.pixels.merge(&other.pixels);
         self.similarity.merge(&other.similarity);
     }
@@ -104,11 +105,11 @@ pub(super) mod tests {
     use super::*;
 
     /// Columns and rows of [`patterns`].
-    pub const PATTERN: (usize, usize) = (17, 12);
+    pub(crate) const PATTERN: (usize, usize) = (17, 12);
 
     /// Two pictures whose values are exact in f32. In numpy: y, x, c = numpy.mgrid[0:12, 0:17, 0:3];
     /// a = (37*x + 11*y + 53*c + x*y) % 256 / 256; b = (37*x + 11*y + 53*c + x*y + (x*x + 3*y) % 23) % 256 / 256.
-    pub fn patterns() -> (Vec<[f32; 3]>, Vec<[f32; 3]>) {
+    pub(crate) fn patterns() -> (Vec<[f32; 3]>, Vec<[f32; 3]>) {
         let picture = |noise: fn(usize, usize) -> usize| {
             let pixel =
                 |x, y| [0, 1, 2].map(|c| ((37 * x + 11 * y + 53 * c + x * y + noise(x, y)) % 256) as f32 / 256.0);
@@ -118,7 +119,7 @@ pub(super) mod tests {
     }
 
     /// A picture with less contrast.
-    pub fn dimmed(picture: &[[f32; 3]]) -> Vec<[f32; 3]> {
+    pub(crate) fn dimmed(picture: &[[f32; 3]]) -> Vec<[f32; 3]> {
         picture.iter().map(|rgb| rgb.map(|v| v * 0.75 + 0.125)).collect()
     }
 

@@ -5,17 +5,18 @@ use rayon::prelude::*;
 
 use super::environment::{self, Lighting};
 use super::visibility;
-use crate::base::ids::{NO_TRIANGLE, TriangleId};
+use crate::base::convert::to_u32;
+use crate::base::ids::TriangleId;
 use crate::base::{Error, Result};
 use crate::scene::frame::Frame;
 use crate::scene::reflectance::LobeFrame;
 use crate::scene::view::{Tile, View};
 use crate::scene::{Material, Mesh};
-use crate::trace::{Bvh, Hit, TileRays, parallel};
+use crate::trace::{Bvh, Hit, PixelHit, TileRays, parallel};
 
 /// A rendered image: linear radiance, not clipped.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Rendering {
+pub(crate) struct Rendering {
     /// Columns.
     pub width: u32,
     /// Rows.
@@ -27,12 +28,12 @@ pub struct Rendering {
 /// Edge of the tiles that rays are cast in, pixels: the sixteen rays that go together.
 const SIDE: u32 = 4;
 
-/// What the frame's camera would see, had every triangle its material; `materials` has one for each. A triangle is seen
-/// from behind as from before. Materials that are not finite come out as NaN. The same for any number of threads.
+/// Renders the frame's view of the mesh with one material for each triangle. Both sides of a triangle are seen. Materials
+/// that are not finite come out as NaN. The picture does not depend on the number of threads.
 ///
 /// # Errors
-/// As many materials, or shares of the sky, as there are triangles it must be.
-pub fn relight(
+/// The number of materials, or of shares of the sky, is not the number of triangles.
+pub(crate) fn relight(
     mesh: &Mesh,
     bvh: &Bvh,
     materials: &[Material],
@@ -54,14 +55,14 @@ pub fn relight(
     let (width, height) = (frame.camera.width, frame.camera.height);
     let mut rgb = vec![[0.0; 3]; width as usize * height as usize];
     let scene = Shading { mesh, bvh, materials, lighting, offset: visibility::offset(mesh) };
-    // A band of tiles at a time: it is a contiguous part of the image.
+    // A band of tiles is contiguous in the image.
     rgb.par_chunks_mut((width * SIDE) as usize).enumerate().for_each(|(band, out)| {
         let (mut rays, mut sunny) = (TileRays::default(), Sunny::default());
-        let y = band as u32 * SIDE;
+        let y = to_u32(band) * SIDE;
         for x in (0..width).step_by(SIDE as usize) {
             let tile = Tile { x, y, width: SIDE.min(width - x), height: SIDE.min(height - y) };
             let inside = Tile { y: 0, ..tile };
-            for (pixel, direction, hit) in rays.cast(&view, bvh, tile) {
+            for PixelHit { pixel, direction, hit } in rays.cast(&view, bvh, tile) {
                 let at = inside.position(pixel, width);
                 out[at] = scene.shaded(&hit, view.centre(), direction, at, &mut sunny).to_array();
             }
@@ -79,29 +80,30 @@ struct Shading<'a> {
     offset: f32,
 }
 
-/// What of a tile faces the sun.
+/// The pixels of a tile that face the sun.
 #[derive(Default)]
 struct Sunny {
-    /// Where rays to the sun start.
+    /// Where rays to the sun start, for each face.
     origins: Vec<Vec3>,
     faces: Vec<Face>,
+    /// Whether each face lies in shadow.
     dark: Vec<bool>,
 }
 
 /// A surface as a pixel sees it.
 struct Face {
-    /// The pixel's place in the band.
+    /// The pixel's position in the band.
     at: usize,
     triangle: TriangleId,
     normal: Vec3,
-    /// Towards the eye.
+    /// The unit vector to the eye.
     wo: Vec3,
 }
 
 impl Shading<'_> {
-    /// What is seen there in the shade; what faces the sun is put to the others that do.
+    /// The radiance of a pixel in the shade. A face that the sun may light is added to `sunny`.
     fn shaded(&self, hit: &Hit, eye: Vec3, direction: Vec3, at: usize, sunny: &mut Sunny) -> Vec3 {
-        let Some(normal) = (hit.triangle != NO_TRIANGLE).then(|| self.mesh.normal(hit.triangle)).flatten() else {
+        let Some(normal) = (hit.triangle != TriangleId::NONE).then(|| self.mesh.normal(hit.triangle)).flatten() else {
             return self.lighting.background;
         };
         let normal = if normal.dot(direction) > 0.0 { -normal } else { normal };
@@ -110,16 +112,16 @@ impl Shading<'_> {
             sunny.origins.push(eye + direction * hit.t + normal * self.offset);
             sunny.faces.push(Face { at, triangle: hit.triangle, normal, wo });
         }
-        self.lighting.ambient(hit.triangle, &self.materials[hit.triangle as usize], normal.dot(wo))
+        self.lighting.ambient(hit.triangle, &self.materials[hit.triangle.index()], normal.dot(wo))
     }
 
-    /// Adds the sun to what it reaches, and forgets all that faced it.
+    /// Adds the sun's light to the faces it reaches, and empties `sunny`.
     fn add_sun(&self, sunny: &mut Sunny, out: &mut [[f32; 3]]) {
         let sun = &self.lighting.sun;
         sunny.dark.resize(sunny.origins.len(), false);
         parallel::occluded(self.bvh, sun.direction, &sunny.origins, &mut sunny.dark);
         for (face, _) in sunny.faces.iter().zip(&sunny.dark).filter(|(_, dark)| !**dark) {
-            let m = &self.materials[face.triangle as usize];
+            let m = &self.materials[face.triangle.index()];
             let lit = environment::sunlit(sun, m, &LobeFrame::new(face.normal), face.wo);
             out[face.at] = (Vec3::from(out[face.at]) + lit).to_array();
         }
@@ -129,8 +131,8 @@ impl Shading<'_> {
 }
 
 impl Rendering {
-    /// The image averaged over squares of `n` by `n` pixels; sides must be multiples of `n`, what is over is left off.
-    pub fn shrink(&self, n: u32) -> Rendering {
+    /// The image averaged over squares of `n` by `n` pixels. Columns and rows past a multiple of `n` are left off.
+    pub(crate) fn shrink(&self, n: u32) -> Rendering {
         let (width, height) = (self.width / n.max(1), self.height / n.max(1));
         let average = |x: u32, y: u32| {
             let square = (0..n * n).map(|k| ((y * n + k / n) * self.width + x * n + k % n) as usize);

@@ -1,14 +1,14 @@
-//! Structural similarity (Wang, Bovik, Sheikh, Simoncelli 2004) as scikit-image has it by default: even windows of 7 x 7
-//! pixels that lie within the picture, sample variances, K1 = 0.01, K2 = 0.03, a range of 1, each channel by itself.
+//! Structural similarity (Wang, Bovik, Sheikh, Simoncelli 2004) as scikit-image computes it by default: uniform windows of
+//! 7 x 7 pixels within the picture, sample variances, K1 = 0.01, K2 = 0.03, a range of 1, each channel by itself.
 //!
-//! Rows come one after another. What is held are the moments of the last seven rows and their sums down each column; a
-//! window's sums run along the row, so a pixel costs the same whatever the window's size.
+//! Rows come one after another. Held are the moments of the last seven rows and the sums of these moments down each
+//! column. A window's sums run along the row, so a pixel costs the same whatever the window's size.
 
 use std::collections::VecDeque;
 use std::ops::{AddAssign, SubAssign};
 
 /// Side of a window, pixels.
-pub const SIDE: usize = 7;
+pub(crate) const SIDE: usize = 7;
 
 /// Pixels of a window.
 const PIXELS: f64 = (SIDE * SIDE) as f64;
@@ -18,35 +18,35 @@ const C2: f64 = 0.03 * 0.03;
 
 /// The mean similarity of windows of any number of pictures.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Similarity {
+pub(crate) struct Similarity {
     sum: f64,
     windows: u64,
 }
 
 impl Similarity {
     /// Adds the windows of other pictures.
-    pub fn merge(&mut self, other: &Similarity) {
+    pub(crate) fn merge(&mut self, other: &Similarity) {
         self.sum += other.sum;
         self.windows += other.windows;
     }
 
-    /// (1 - SSIM) / 2, the mean over windows and channels: 0 where all are equal; NaN where there was no window.
-    pub fn dssim(&self) -> f64 {
+    /// (1 - SSIM) / 2, the mean over windows and channels: 0 for equal pictures, NaN where there was no window.
+    pub(crate) fn dssim(&self) -> f64 {
         0.5 - 0.5 * self.sum / self.windows as f64
     }
 }
 
-/// What is summed over a window.
+/// Sums over the pixels of a window.
 #[derive(Debug, Clone, Copy, Default)]
 struct Moments {
     wanted: [f64; 3],
     found: [f64; 3],
-    /// Of both.
+    /// The wanted squares and the found squares together.
     squares: [f64; 3],
     products: [f64; 3],
-    /// Pixels that are not compared.
+    /// Pixels not compared.
     left_out: i32,
-    /// Pixels that are compared, and where nothing was found.
+    /// Pixels compared that the found picture lacks.
     missing: i32,
 }
 
@@ -64,8 +64,8 @@ impl Moments {
         Moments { wanted: x, found: y, squares, products, left_out: 0, missing: 0 }
     }
 
-    /// The similarity of a window with these sums, the mean over its channels; `None` if it holds what is not compared.
-    /// One with a pixel where nothing was found is not similar.
+    /// The mean similarity over the channels of a window with these sums; `None` if a pixel in the window is not compared,
+    /// 0 if the found picture lacks one.
     fn similarity(&self) -> Option<f64> {
         match (self.left_out, self.missing) {
             (0, 0) => Some((0..3).map(|c| self.channel(c)).sum::<f64>() / 3.0),
@@ -111,23 +111,23 @@ impl SubAssign<&Moments> for Moments {
 
 /// The windows of one picture, as its rows come.
 #[derive(Debug)]
-pub struct Windows {
-    /// Of the last rows, at most [`SIDE`].
+pub(crate) struct Windows {
+    /// The moments of the last rows, at most [`SIDE`].
     rows: VecDeque<Vec<Moments>>,
-    /// Their sums, column by column.
+    /// The sums of the rows, column by column.
     columns: Vec<Moments>,
     similarity: Similarity,
 }
 
 impl Windows {
-    /// Of a picture with this many columns.
-    pub fn new(width: usize) -> Windows {
+    /// Begins a picture of this many columns.
+    pub(crate) fn new(width: usize) -> Windows {
         Windows { rows: VecDeque::new(), columns: vec![Moments::default(); width], similarity: Similarity::default() }
     }
 
-    /// Takes the next row of the wanted picture and of the one that was found, values clipped to [0, 1]. A pixel of the
-    /// wanted one that is not finite is not compared, nor is any window with it; one with NaN in the found is all wrong.
-    pub fn row(&mut self, wanted: &[[f32; 3]], found: &[[f32; 3]]) {
+    /// Takes the next row of the wanted and of the found picture, values clipped to [0, 1]. A window with a wanted pixel
+    /// that is not finite is not compared; a window with a found pixel that is NaN has similarity 0.
+    pub(crate) fn row(&mut self, wanted: &[[f32; 3]], found: &[[f32; 3]]) {
         let mut row = if self.rows.len() == SIDE { self.rows.pop_front().unwrap_or_default() } else { Vec::new() };
         for (column, left) in self.columns.iter_mut().zip(&row) {
             *column -= left;
@@ -143,7 +143,7 @@ impl Windows {
         }
     }
 
-    /// All windows of the last rows.
+    /// Adds all windows over the last rows.
     fn along(&mut self) {
         let mut window = Moments::default();
         for (at, column) in self.columns.iter().enumerate() {
@@ -158,8 +158,8 @@ impl Windows {
         }
     }
 
-    /// Their similarity, after the last row.
-    pub fn finish(self) -> Similarity {
+    /// Ends the picture after the last row, and gives the similarity of its windows.
+    pub(crate) fn finish(self) -> Similarity {
         self.similarity
     }
 }

@@ -3,7 +3,8 @@ use std::sync::Arc;
 use glam::{DVec2, DVec3, Vec3};
 
 use super::*;
-use crate::scene::camera::{Camera, Model};
+use crate::base::convert::to_u32;
+use crate::scene::camera::{Camera, Lens};
 use crate::scene::frame::Frame;
 use crate::scene::light::Sun;
 use crate::scene::pose::Pose;
@@ -15,7 +16,7 @@ const WHITE: Material = Material { kd: [1.0; 3], ks: [0.0; 3], r: 0.5 };
 /// Squares, each of two triangles, given by a corner and two edges.
 fn mesh(squares: &[[DVec3; 3]]) -> Mesh {
     let vertices: Vec<DVec3> = squares.iter().flat_map(|[o, a, b]| [*o, *o + a, *o + a + b, *o + b]).collect();
-    let triangles = (0..squares.len() as u32).flat_map(|k| [[0, 1, 2], [0, 2, 3]].map(|t| t.map(|i| 4 * k + i)));
+    let triangles = (0..to_u32(squares.len())).flat_map(|k| [[0, 1, 2], [0, 2, 3]].map(|t| t.map(|i| 4 * k + i)));
     Mesh::new(&vertices, triangles.collect()).unwrap()
 }
 
@@ -25,8 +26,8 @@ fn floor() -> [DVec3; 3] {
 
 /// Looks at the middle of the floor; the image shows floor alone.
 fn frame(eye: DVec3) -> Frame {
-    let model = Model::pinhole(DVec2::splat(100.0), DVec2::new(20.0, 15.0));
-    let camera = Arc::new(Camera { width: 40, height: 30, model });
+    let lens = Lens::pinhole(DVec2::splat(100.0), DVec2::new(20.0, 15.0));
+    let camera = Arc::new(Camera { width: 40, height: 30, lens });
     Frame { name: "f.jpg".into(), camera, pose: Pose::look_at(eye, DVec3::ZERO, DVec3::Y) }
 }
 
@@ -103,7 +104,7 @@ fn the_sky_is_seen_as_far_as_nothing_stands_before_it() {
     let wall = |high: f64| [DVec3::new(-500.0, 0.0, 0.0), DVec3::X * 1000.0, DVec3::Z * high];
     let share = |squares: &[[DVec3; 3]]| {
         let mesh = mesh(squares);
-        sky_visibility(&mesh, &Bvh::build(&mesh), Vec3::Z, 1024, 0..mesh.len() as u32)
+        sky_visibility(&mesh, &Bvh::build(&mesh), Vec3::Z, 1024, 0..mesh.len())
     };
     assert!((share(&[wall(1.0)])[0] - 0.5).abs() < 0.01);
     assert_eq!(share(&[floor()]), [1.0, 1.0]);
@@ -139,7 +140,7 @@ fn threads_do_not_change_a_picture() {
     let draw = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
-            let visibility = sky_visibility(&mesh, &bvh, Vec3::Z, 16, 0..mesh.len() as u32).into();
+            let visibility = sky_visibility(&mesh, &bvh, Vec3::Z, 16, 0..mesh.len()).into();
             relight(&mesh, &bvh, &[WHITE; 4], &frame, &Lighting { visibility, sky: Vec3::ONE, ..noon() }).unwrap()
         })
     };

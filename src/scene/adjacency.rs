@@ -1,5 +1,5 @@
-//! Which triangles touch across an edge. Vertices at the same place count as one, so that meshes whose faces share no
-//! vertices (as textured OBJ files write them) still hang together.
+//! The triangles that touch across an edge. Vertices at the same place count as one, so that meshes whose faces share no
+//! vertices (as textured OBJ files write them) are still connected.
 
 use std::ops::Range;
 
@@ -8,6 +8,7 @@ use glam::Vec3;
 use super::Mesh;
 use crate::base::Array;
 use crate::base::array::SharedBytes;
+use crate::base::convert::to_u32;
 use crate::base::ids::TriangleId;
 
 /// Neighbours across edges, as compressed rows.
@@ -24,35 +25,35 @@ const SIDES: usize = 1 << 23;
 type Side = (u32, u32, TriangleId);
 
 impl Adjacency {
-    /// Bytes of memory that building takes besides the mesh, for this many triangles and vertices, at most.
+    /// Bytes of memory that building takes besides the mesh for this many triangles and vertices, at most.
     pub fn building(triangles: u64, vertices: u64) -> u64 {
         let sides = (3 * triangles).min(SIDES as u64) * size_of::<Side>() as u64;
         // Starts twice and three neighbours; for a vertex the first at its place, and its place in the order or its sides.
         20 * triangles + 8 * vertices + sides
     }
 
-    /// The neighbours of a mesh. Where more than two triangles meet at an edge, they are linked in a chain by id: all
-    /// are reached, and the number of links stays linear.
+    /// Finds the neighbours in a mesh. Where more than two triangles meet at an edge, they are linked in a chain by id:
+    /// all are reached, and the number of links stays linear.
     pub fn of(mesh: &Mesh) -> Adjacency {
         Adjacency::of_some_at_a_time(mesh, SIDES)
     }
 
-    /// The same, with the sides sorted at most so many at a time, but for a vertex that has more.
+    /// Finds the neighbours with at most `most` sides sorted at a time, except for a vertex that has more.
     fn of_some_at_a_time(mesh: &Mesh, most: usize) -> Adjacency {
         let mut sides = Sides::of(mesh, most);
         let mut starts = vec![0u32; mesh.len() + 1];
         sides.links(|a, b| {
-            starts[a as usize + 1] += 1;
-            starts[b as usize + 1] += 1;
+            starts[a.index() + 1] += 1;
+            starts[b.index() + 1] += 1;
         });
         for i in 0..mesh.len() {
             starts[i + 1] += starts[i];
         }
-        let mut neighbours = vec![0; starts[mesh.len()] as usize];
+        let mut neighbours = vec![TriangleId::NONE; starts[mesh.len()] as usize];
         let mut next = starts.clone();
         sides.links(|a, b| {
             for (from, to) in [(a, b), (b, a)] {
-                let slot = &mut next[from as usize];
+                let slot = &mut next[from.index()];
                 neighbours[*slot as usize] = to;
                 *slot += 1;
             }
@@ -60,7 +61,10 @@ impl Adjacency {
         Adjacency { starts: starts.into(), neighbours: neighbours.into() }
     }
 
-    /// The neighbours that lie in these bytes, for a mesh of `count` triangles; in words, what makes them none.
+    /// The neighbours that lie in these bytes, for a mesh of `count` triangles.
+    ///
+    /// # Errors
+    /// In words, if the bytes hold no such rows.
     pub fn view(bytes: &SharedBytes, [starts, neighbours]: [Range<usize>; 2], count: usize) -> Result<Self, String> {
         let view = Adjacency { starts: Array::view(bytes, starts)?, neighbours: Array::view(bytes, neighbours)? };
         let (starts, neighbours) = (&view.starts[..], &view.neighbours[..]);
@@ -71,20 +75,20 @@ impl Adjacency {
             let (found, links) = (starts.len(), neighbours.len());
             return Err(format!("{found} rows of neighbours do not share out {links} over {count} triangles"));
         }
-        match neighbours.iter().find(|&&t| t as usize >= count) {
+        match neighbours.iter().find(|t| t.index() >= count) {
             Some(beyond) => Err(format!("triangle {beyond} is said to be a neighbour, but there are {count}")),
             None => Ok(view),
         }
     }
 
-    /// What a view is made of: where each triangle's neighbours start, and the neighbours.
+    /// The arrays of a view: where each triangle's neighbours start, and the neighbours.
     pub fn arrays(&self) -> [&[u32]; 2] {
-        [&self.starts, &self.neighbours]
+        [&self.starts, bytemuck::cast_slice(&self.neighbours)]
     }
 
     /// The neighbours of a triangle.
     pub fn neighbours(&self, t: TriangleId) -> &[TriangleId] {
-        let (t, starts) = (t as usize, &self.starts[..]);
+        let (t, starts) = (t.index(), &self.starts[..]);
         &self.neighbours[starts[t] as usize..starts[t + 1] as usize]
     }
 }
@@ -94,7 +98,7 @@ struct Sides<'m> {
     mesh: &'m Mesh,
     canonical: Vec<u32>,
     ranges: Vec<Range<u32>>,
-    /// The sides of one range, and which.
+    /// The sides of the range `at`.
     some: Vec<Side>,
     at: Option<usize>,
 }
@@ -109,16 +113,16 @@ impl<'m> Sides<'m> {
         let (mut ranges, mut start, mut held) = (Vec::new(), 0, 0);
         for (vertex, &count) in counts.iter().enumerate() {
             if held > 0 && held + count as usize > most {
-                ranges.push(start..vertex as u32);
-                (start, held) = (vertex as u32, 0);
+                ranges.push(start..to_u32(vertex));
+                (start, held) = (to_u32(vertex), 0);
             }
             held += count as usize;
         }
-        ranges.push(start..canonical.len() as u32);
+        ranges.push(start..to_u32(canonical.len()));
         Sides { mesh, canonical, ranges, some: Vec::with_capacity(most.min(3 * mesh.len())), at: None }
     }
 
-    /// Tells of every two triangles that are linked, in the order of the edges.
+    /// Calls `link` for every two triangles that are linked, in the order of the edges.
     fn links(&mut self, mut link: impl FnMut(TriangleId, TriangleId)) {
         for at in 0..self.ranges.len() {
             self.sort(at);
@@ -133,9 +137,9 @@ impl<'m> Sides<'m> {
         }
         let range = self.ranges[at].clone();
         self.some.clear();
-        for (t, corners) in self.mesh.triangles.iter().enumerate() {
+        for (t, corners) in TriangleId::all(self.mesh.len()).zip(self.mesh.triangles.iter()) {
             let own = sides(&self.canonical, *corners).filter(|(low, _)| range.contains(low));
-            self.some.extend(own.map(|(low, high)| (low, high, t as TriangleId)));
+            self.some.extend(own.map(|(low, high)| (low, high, t)));
         }
         self.some.sort_unstable();
         self.some.dedup();
@@ -149,11 +153,11 @@ fn sides(canonical: &[u32], corners: [u32; 3]) -> impl Iterator<Item = (u32, u32
     [(a, b), (b, c), (c, a)].into_iter().filter(|(p, q)| p != q).map(|(p, q)| (p.min(q), p.max(q)))
 }
 
-/// For every vertex the first one at the same place.
+/// For every vertex, the first vertex at the same place.
 fn weld(positions: &[Vec3]) -> Vec<u32> {
     // Adding 0 makes -0 and 0 the same bits.
     let bits = |i: &u32| (positions[*i as usize] + Vec3::ZERO).to_array().map(f32::to_bits);
-    let mut order: Vec<u32> = (0..positions.len() as u32).collect();
+    let mut order: Vec<u32> = (0..to_u32(positions.len())).collect();
     order.sort_unstable_by_key(|i| (bits(i), *i));
     let mut canonical = vec![0; positions.len()];
     let mut first = 0;
@@ -180,11 +184,15 @@ mod tests {
         }
     }
 
+    fn of(adjacency: &Adjacency, t: u32) -> &[u32] {
+        bytemuck::cast_slice(adjacency.neighbours(TriangleId(t)))
+    }
+
     #[test]
     fn two_halves_of_a_quad_touch_with_or_without_shared_vertices() {
         for shared in [true, false] {
             let a = Adjacency::of(&quad(shared));
-            assert_eq!((a.neighbours(0), a.neighbours(1)), (&[1][..], &[0][..]), "shared {shared}");
+            assert_eq!((of(&a, 0), of(&a, 1)), (&[1][..], &[0][..]), "shared {shared}");
         }
     }
 
@@ -193,16 +201,16 @@ mod tests {
         let mut v = vec![DVec3::ZERO, DVec3::Z];
         v.extend((0..5).map(|i| DVec3::new(f64::from(i).cos(), f64::from(i).sin(), 0.0)));
         let a = Adjacency::of(&Mesh::new(&v, (0..5).map(|i| [0, 1, 2 + i]).collect()).unwrap());
-        assert_eq!(a.neighbours(0), [1]);
-        assert_eq!(a.neighbours(2), [1, 3]);
-        assert_eq!(a.neighbours(4), [3]);
+        assert_eq!(of(&a, 0), [1]);
+        assert_eq!(of(&a, 2), [1, 3]);
+        assert_eq!(of(&a, 4), [3]);
     }
 
     #[test]
     fn a_triangle_on_one_vertex_has_no_neighbour() {
         let v = [DVec3::ZERO, DVec3::X, DVec3::Y];
         let a = Adjacency::of(&Mesh::new(&v, vec![[0, 0, 0], [0, 1, 2]]).unwrap());
-        assert!(a.neighbours(0).is_empty() && a.neighbours(1).is_empty());
+        assert!(of(&a, 0).is_empty() && of(&a, 1).is_empty());
     }
 
     #[test]

@@ -1,22 +1,22 @@
-//! One photograph: which camera took it from where, and its pixels as linear radiance.
+//! A frame: the camera and the pose of one photograph, and its pixels as linear radiance.
 
 use std::sync::Arc;
 
 use super::camera::Camera;
 use super::pose::Pose;
 
-/// A posed photograph, pixels aside.
+/// A posed photograph without its pixels.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Frame {
     /// The image's name as the poses give it, relative to the image folder, with `/` between folders.
     pub name: String,
-    /// Intrinsics, shared between frames.
+    /// The camera's intrinsics, shared between frames.
     pub camera: Arc<Camera>,
-    /// Extrinsics.
+    /// The camera's extrinsics.
     pub pose: Pose,
 }
 
-/// The samples of an image as they were stored: red, green, blue, pixel by pixel, rows from the top.
+/// The samples of an image as stored: red, green, blue, pixel by pixel, rows from the top.
 #[derive(Debug, Clone)]
 pub enum Samples {
     /// 8 bits.
@@ -31,19 +31,19 @@ pub enum Samples {
 /// and become linear radiance when they are read, through a table.
 #[derive(Debug, Clone)]
 pub struct LinearImage {
-    /// Columns.
+    /// Columns of pixels.
     pub width: u32,
-    /// Rows.
+    /// Rows of pixels.
     pub height: u32,
-    /// As stored.
+    /// The samples as stored.
     pub samples: Samples,
-    /// Linear radiance of every stored value: 256 or 65,536 of them, none for `F32`.
+    /// The linear radiance of every stored value: 256 or 65,536 entries, none for `F32`.
     pub table: Arc<[f32]>,
-    /// 0 where a pixel is no observation; none if all are.
+    /// The mask: 0 where a pixel is not an observation; `None` if all pixels are.
     pub mask: Option<Vec<u8>>,
 }
 
-/// What one pixel saw.
+/// The value of one pixel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pixel {
     /// Linear radiance.
@@ -58,12 +58,12 @@ impl LinearImage {
         self.width as usize * self.height as usize
     }
 
-    /// Whether there are none.
+    /// Whether there are no pixels.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// The pixel at `row * width + column`; `None` where it is masked or not finite.
+    /// The pixel at `row * width + column`; `None` where the pixel is masked or not finite.
     #[inline]
     pub fn pixel(&self, index: usize) -> Option<Pixel> {
         if self.mask.as_ref().is_some_and(|m| m[index] == 0) {

@@ -1,5 +1,5 @@
-//! A sun: directional, with irradiance pi on a surface that faces it, so that a white Lambertian there has radiance 1. And
-//! what of sun and sky reaches one triangle.
+//! A sun: a directional light with irradiance pi on a surface that faces it, so that a white Lambertian surface there has
+//! radiance 1. And the light of sun and sky that reaches one triangle.
 
 use glam::Vec3;
 
@@ -8,7 +8,7 @@ use glam::Vec3;
 pub struct Sun {
     /// Unit vector towards the light.
     pub direction: Vec3,
-    /// Colour; white is `[1, 1, 1]`, and irradiance at normal incidence is pi times it.
+    /// Colour; white is `[1, 1, 1]`. The irradiance at normal incidence is pi times the colour.
     pub color: Vec3,
 }
 
@@ -17,8 +17,8 @@ pub struct Sun {
 pub struct LocalLight {
     /// Unit vector towards the sun, in the frame of the triangle's map.
     pub direction: Vec3,
-    /// The sun's colour times the share of the triangle that it reaches, linear RGB.
+    /// The sun's colour times the share of the triangle that the sun reaches, linear RGB.
     pub sun: Vec3,
-    /// The sky's radiance times the share of it that the triangle sees, linear RGB.
+    /// The sky's radiance times the share of the sky that the triangle sees, linear RGB.
     pub sky: Vec3,
 }

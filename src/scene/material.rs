@@ -1,6 +1,7 @@
 //! The 7-vector that gonio recovers for every triangle.
 
-/// A surface's reflectance, `[kd.r kd.g kd.b ks.r ks.g ks.b r]`, each component in [0, 1]. It lies in memory as the 7-vector.
+/// A surface's reflectance, `[kd.r kd.g kd.b ks.r ks.g ks.b r]`, each component in [0, 1]. In memory it is the
+/// 7-vector.
 #[derive(Debug, Clone, Copy, PartialEq, Default, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct Material {

@@ -3,11 +3,11 @@
 use glam::{DVec3, Vec3};
 
 use super::reflectance::LobeFrame;
-use super::survey::{Polygons, Survey};
 use crate::base::Array;
 use crate::base::ids::TriangleId;
 
-/// A triangle mesh. Every index is in range and every coordinate finite: all that make one see to it.
+/// A triangle mesh. Every index is in range and every coordinate finite: whatever makes a mesh checks that. Vertices and
+/// triangles become one in [`survey`](super::survey).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mesh {
     /// What was subtracted from the file's coordinates, in f64: the centre of the bounding box.
@@ -30,7 +30,7 @@ pub enum MeshError {
     /// NaN, infinity, or too far from the others.
     #[error("vertex {vertex} is ({}, {}, {}): coordinates must be finite and within 1e12 of the mesh's centre", at.x, at.y, at.z)]
     NotFinite {
-        /// Its position, counted from 0.
+        /// The element's position, counted from 0.
         vertex: usize,
         /// As found.
         at: DVec3,
@@ -56,16 +56,6 @@ pub(super) fn near(position: Vec3) -> bool {
 }
 
 impl Mesh {
-    /// A mesh of vertices in file coordinates and triangles that index them.
-    pub fn new(vertices: &[DVec3], triangles: Vec<[u32; 3]>) -> Result<Mesh, MeshError> {
-        let mut survey = Survey::default();
-        vertices.iter().for_each(|&at| survey.vertex(at));
-        triangles.iter().for_each(|&t| survey.triangle(t));
-        let mut filling = survey.filling()?;
-        vertices.iter().for_each(|&at| filling.vertex(at));
-        filling.finish_with(triangles)
-    }
-
     /// A mesh of what a file says are its parts.
     ///
     /// # Errors
@@ -110,7 +100,7 @@ impl Mesh {
     #[inline]
     pub fn corners(&self, t: TriangleId) -> [Vec3; 3] {
         let positions: &[Vec3] = &self.positions;
-        self.triangles[t as usize].map(|i| positions[i as usize])
+        self.triangles[t.index()].map(|i| positions[i as usize])
     }
 
     /// The geometric unit normal, counter-clockwise side; `None` for a triangle without area.
@@ -122,13 +112,14 @@ impl Mesh {
     }
 
     /// The frame of a triangle's reflectance map; `None` for a triangle without area.
+    #[inline]
     pub fn lobe_frame(&self, t: TriangleId) -> Option<LobeFrame> {
         self.normal(t).map(LobeFrame::new)
     }
 
     /// How many triangles have no area: they are kept, so that ids stay those of the file, and never hit.
     pub fn degenerate(&self) -> usize {
-        (0..self.len() as TriangleId).filter(|&t| self.normal(t).is_none()).count()
+        TriangleId::all(self.len()).filter(|&t| self.normal(t).is_none()).count()
     }
 }
 
@@ -144,10 +135,10 @@ mod tests {
     fn utm_coordinates_keep_their_millimetres() {
         let utm = DVec3::new(545_123.0, 5_812_345.0, 87.0);
         let mesh = Mesh::new(&triangle(utm).map(|v| v + DVec3::splat(0.001)), vec![[0, 1, 2]]).unwrap();
-        let [a, b, _] = mesh.corners(0);
+        let [a, b, _] = mesh.corners(TriangleId(0));
         assert!((a.as_dvec3() + mesh.origin - (utm + DVec3::splat(0.001))).length() < 1e-6);
         assert_eq!((b - a).x, 1.0);
-        assert_eq!(mesh.normal(0), Some(Vec3::Z));
+        assert_eq!(mesh.normal(TriangleId(0)), Some(Vec3::Z));
     }
 
     #[test]
@@ -165,7 +156,7 @@ mod tests {
         let v = [DVec3::ZERO, DVec3::X, DVec3::X * 2.0, DVec3::Y];
         let mesh = Mesh::new(&v, vec![[0, 1, 2], [0, 0, 1], [0, 1, 3]]).unwrap();
         assert_eq!(mesh.degenerate(), 2);
-        assert!(mesh.lobe_frame(0).is_none() && mesh.lobe_frame(2).is_some());
+        assert!(mesh.lobe_frame(TriangleId(0)).is_none() && mesh.lobe_frame(TriangleId(2)).is_some());
     }
 
     #[test]

@@ -1,18 +1,18 @@
-//! What a scene is: its mesh, its cameras, its light, and how a surface reflects. Pure: no file is read here and no
-//! thread is started.
+//! A scene: its mesh, its cameras, its light, and the reflection of surfaces. Pure: nothing here reads a file or starts a
+//! thread.
 
-pub mod adjacency;
-pub mod brdf;
-pub mod camera;
-pub mod evidence;
-pub mod frame;
-pub mod light;
-pub mod material;
-pub mod mesh;
-pub mod pose;
-pub mod reflectance;
-pub mod survey;
-pub mod view;
+pub(crate) mod adjacency;
+pub(crate) mod brdf;
+pub(crate) mod camera;
+pub(crate) mod evidence;
+pub(crate) mod frame;
+pub(crate) mod light;
+pub(crate) mod material;
+pub(crate) mod mesh;
+pub(crate) mod pose;
+pub(crate) mod reflectance;
+pub(crate) mod survey;
+pub(crate) mod view;
 
 pub use material::Material;
 pub use mesh::Mesh;

@@ -1,4 +1,4 @@
-//! Extrinsics: where a camera stands and which way it looks.
+//! Extrinsics: the position and the direction of a camera.
 
 use glam::{DQuat, DVec3};
 
@@ -12,7 +12,7 @@ pub struct Pose {
 }
 
 impl Pose {
-    /// The pose of a camera at `eye` that looks at `target`, image up towards `up`; all in world coordinates.
+    /// The pose of a camera at `eye` that looks at `target`, with `up` upwards in the image; all in world coordinates.
     pub fn look_at(eye: DVec3, target: DVec3, up: DVec3) -> Pose {
         let z = (target - eye).normalize();
         let x = z.cross(up).normalize();

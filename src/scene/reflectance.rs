@@ -1,5 +1,5 @@
-//! The reflectance map: what one surface point sent towards each direction, in 60 x 120 bins of 3 degrees over the
-//! sphere. Row is theta in [0, pi] from +z; column is phi in [0, 2 pi) from +x, counter-clockwise. Bin centres lie at
+//! The reflectance map: the radiance that one surface point sent towards each direction, in 60 x 120 bins of 3 degrees
+//! over the sphere. Row is theta in [0, pi] from +z; column is phi in [0, 2 pi) from +x, counter-clockwise. Bin centres lie at
 //! half-integers.
 //!
 //! Radiance is summed as unsigned fixed point with 16 fractional bits, so that addition is exact and its order does
@@ -10,29 +10,31 @@ use std::fmt;
 
 use glam::Vec3;
 
+use crate::base::convert::{Cut, to_f32};
+
 /// Rows of a map: theta.
-pub const ROWS: usize = 60;
+pub(crate) const ROWS: usize = 60;
 /// Columns of a map: phi.
-pub const COLUMNS: usize = 120;
+pub(crate) const COLUMNS: usize = 120;
 /// Bins of a map.
-pub const BINS: usize = ROWS * COLUMNS;
-/// Bins that a front-facing observation can fall in: rows 0..30.
+pub(crate) const BINS: usize = ROWS * COLUMNS;
+/// Bins that a front-facing observation can fall into: rows 0..30.
 pub const FRONT_BINS: usize = BINS / 2;
 
-/// What a map is a map of.
+/// The meaning of a map's bins.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
-    /// Of one surface point; a bin is a viewing direction.
+pub enum Layout {
+    /// The map is of one surface point; a bin is a viewing direction.
     Lobe,
-    /// Of a unit sphere seen by one camera; a bin is a normal.
+    /// The map is of a unit sphere seen by one camera; a bin is a normal.
     Sphere,
 }
 
-impl fmt::Display for Kind {
+impl fmt::Display for Layout {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            Kind::Lobe => "lobe",
-            Kind::Sphere => "sphere",
+            Layout::Lobe => "lobe",
+            Layout::Sphere => "sphere",
         })
     }
 }
@@ -40,17 +42,22 @@ impl fmt::Display for Kind {
 /// A bin's position, `row * COLUMNS + column`, in `0..BINS`.
 pub type Bin = u16;
 
+/// [`COLUMNS`] and half of [`ROWS`], to work bins out with.
+const WIDTH: Bin = 120;
+const FRONT_ROWS: Bin = 30;
+const _: () = assert!(WIDTH as usize == COLUMNS && 2 * FRONT_ROWS as usize == ROWS);
+
 /// The bin of a unit direction in the map's frame.
 #[inline]
-pub fn bin_of(direction: Vec3) -> Bin {
+pub(crate) fn bin_of(direction: Vec3) -> Bin {
     let theta = direction.z.clamp(-1.0, 1.0).acos();
     let phi = direction.y.atan2(direction.x);
     let phi = if phi < 0.0 { phi + TAU } else { phi };
     // In f32 a direction a hair above the plane rounds onto it; the front stays in the front rows.
-    let last = if direction.z > 0.0 { ROWS / 2 - 1 } else { ROWS - 1 };
-    let row = ((theta * (ROWS as f32 / PI)) as usize).min(last);
-    let column = ((phi * (COLUMNS as f32 / TAU)) as usize).min(COLUMNS - 1);
-    (row * COLUMNS + column) as Bin
+    let last = if direction.z > 0.0 { FRONT_ROWS - 1 } else { 2 * FRONT_ROWS - 1 };
+    let row = Bin::cut(theta * (ROWS as f32 / PI)).min(last);
+    let column = Bin::cut(phi * (COLUMNS as f32 / TAU)).min(WIDTH - 1);
+    row * WIDTH + column
 }
 
 /// The unit direction at a bin's centre.
@@ -86,30 +93,30 @@ impl LobeFrame {
 
     /// A world direction in this frame.
     #[inline]
-    pub fn to_local(&self, world: Vec3) -> Vec3 {
+    pub fn to_local(self, world: Vec3) -> Vec3 {
         Vec3::new(self.x.dot(world), self.y.dot(world), self.z.dot(world))
     }
 
     /// A direction of this frame in the world.
     #[inline]
-    pub fn to_world(&self, local: Vec3) -> Vec3 {
+    pub fn to_world(self, local: Vec3) -> Vec3 {
         self.x * local.x + self.y * local.y + self.z * local.z
     }
 }
 
 /// One fixed-point unit is `1 / RADIANCE_ONE`.
-pub const RADIANCE_ONE: f32 = 65536.0;
+pub(crate) const RADIANCE_ONE: f32 = 65536.0;
 
-/// The largest radiance that is summed; brighter ones count as this. With it, 2^38 observations fit a sum.
-pub const RADIANCE_MAX: f32 = 1024.0;
+/// The largest radiance that is summed; brighter radiance counts as this. So 2^38 observations fit a sum.
+pub(crate) const RADIANCE_MAX: f32 = 1024.0;
 
-/// A radiance as fixed point; not a number counts as 0.
+/// A radiance as fixed point; NaN counts as 0.
 #[inline]
-pub fn to_fixed(radiance: f32) -> u64 {
-    (radiance.clamp(0.0, RADIANCE_MAX) * RADIANCE_ONE + 0.5) as u64
+pub(crate) fn to_fixed(radiance: f32) -> u64 {
+    u64::cut(radiance.clamp(0.0, RADIANCE_MAX) * RADIANCE_ONE + 0.5)
 }
 
-/// What one bin of one triangle has received: exact sums, the same in whatever order they were added.
+/// The sums of one bin of one triangle: exact, and the same in whatever order they were added.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct BinSum {
     /// Fixed-point radiance, summed, per channel.
@@ -140,7 +147,7 @@ impl BinSum {
     /// Mean radiance, linear RGB; 0 where nothing was observed.
     pub fn mean(&self) -> [f32; 3] {
         let scale = 1.0 / (f64::from(self.count.max(1)) * f64::from(RADIANCE_ONE));
-        self.radiance.map(|s| (s as f64 * scale) as f32)
+        self.radiance.map(|s| to_f32(s as f64 * scale))
     }
 }
 
@@ -152,8 +159,8 @@ pub struct SparseMap {
 }
 
 impl SparseMap {
-    /// Writes the map the way models take it: `[channels, 60, 120]`, channels rgb and, if there are four, 1 where the
-    /// bin has evidence. `out` must hold `channels * BINS` zeros.
+    /// Writes the map in the form that models read: `[channels, 60, 120]`, channels rgb and, if there are four, 1 where
+    /// the bin has evidence. `out` must hold `channels * BINS` zeros.
     pub fn write_dense(&self, channels: usize, out: &mut [f32]) {
         for (bin, sum) in &self.bins {
             let bin = usize::from(*bin);
@@ -170,7 +177,7 @@ mod tests {
 
     #[test]
     fn bin_centres_fall_into_their_bins() {
-        for bin in 0..BINS as Bin {
+        for bin in (0..BINS).map(|bin| Bin::try_from(bin).unwrap()) {
             assert_eq!(bin_of(direction_of(bin)), bin);
         }
     }

@@ -1,22 +1,22 @@
-//! Making a mesh in two passes over the same vertices and triangles: the first finds out how many there are and where
-//! they lie, the second keeps them, in f32 about the origin. So a mesh takes no more memory than it will hold.
+//! Makes a mesh in two passes over the same vertices and triangles: the first counts them and bounds them, the second
+//! keeps them, in f32 about the origin. So a mesh never takes more memory than it will hold.
 
 use glam::{DVec3, Vec3};
 
 use super::mesh::{Mesh, MeshError, near};
 
-/// What is told of a mesh, in the order in which it is found.
-pub trait Polygons {
+/// The receiver of a mesh: it is told vertices and triangles in file order.
+pub(crate) trait Polygons {
     /// The next vertex, in the file's coordinates.
     fn vertex(&mut self, at: DVec3);
 
-    /// The next triangle, by its vertices.
+    /// The next triangle, by the positions of its vertices.
     fn triangle(&mut self, corners: [u32; 3]);
 }
 
-/// The first pass.
+/// The first pass: the count and the bounds.
 #[derive(Debug, Clone)]
-pub struct Survey {
+pub(crate) struct Survey {
     vertices: usize,
     triangles: usize,
     low: DVec3,
@@ -24,9 +24,9 @@ pub struct Survey {
     not_finite: Option<(usize, DVec3)>,
 }
 
-/// The second pass.
+/// The second pass: the mesh as far as it has been told.
 #[derive(Debug)]
-pub struct Filling {
+pub(crate) struct Filling {
     survey: Survey,
     origin: DVec3,
     positions: Vec<Vec3>,
@@ -56,21 +56,21 @@ impl Polygons for Survey {
 }
 
 impl Survey {
-    /// Bytes of memory that the mesh will hold.
-    pub fn bytes(&self) -> u64 {
+    /// The bytes of memory that the mesh will hold.
+    pub(crate) fn bytes(&self) -> u64 {
         (self.vertices * size_of::<Vec3>() + self.triangles * size_of::<[u32; 3]>()) as u64
     }
 
-    /// Triangles so far.
-    pub fn triangles(&self) -> usize {
+    /// The number of triangles so far.
+    pub(crate) fn triangles(&self) -> usize {
         self.triangles
     }
 
     /// Begins the second pass.
     ///
     /// # Errors
-    /// What was found makes no mesh.
-    pub fn filling(self) -> Result<Filling, MeshError> {
+    /// Vertices and triangles that make no mesh.
+    pub(crate) fn filling(self) -> Result<Filling, MeshError> {
         if self.triangles == 0 {
             return Err(MeshError::NoFaces);
         }
@@ -108,17 +108,17 @@ impl Polygons for Filling {
 }
 
 impl Filling {
-    /// The mesh of what was told.
+    /// The finished mesh.
     ///
     /// # Errors
-    /// It is not what the survey found, or makes no mesh.
-    pub fn finish(mut self) -> Result<Mesh, MeshError> {
+    /// Vertices and triangles that are not those of the survey, or that make no mesh.
+    pub(crate) fn finish(mut self) -> Result<Mesh, MeshError> {
         let triangles = std::mem::take(&mut self.triangles);
         self.finish_with(triangles)
     }
 
-    /// The mesh of the vertices that were told and these triangles.
-    pub(super) fn finish_with(self, triangles: Vec<[u32; 3]>) -> Result<Mesh, MeshError> {
+    /// The mesh of the vertices that were told and of these triangles.
+    fn finish_with(self, triangles: Vec<[u32; 3]>) -> Result<Mesh, MeshError> {
         if let Some(fault) = self.fault {
             return Err(fault);
         }
@@ -126,6 +126,21 @@ impl Filling {
             return Err(MeshError::Changed);
         }
         Mesh::of_parts(self.origin, self.positions.into(), triangles.into())
+    }
+}
+
+impl Mesh {
+    /// A mesh of vertices in file coordinates and triangles that index them.
+    ///
+    /// # Errors
+    /// Vertices and triangles that make no mesh.
+    pub fn new(vertices: &[DVec3], triangles: Vec<[u32; 3]>) -> Result<Mesh, MeshError> {
+        let mut survey = Survey::default();
+        vertices.iter().for_each(|&at| survey.vertex(at));
+        triangles.iter().for_each(|&t| survey.triangle(t));
+        let mut filling = survey.filling()?;
+        vertices.iter().for_each(|&at| filling.vertex(at));
+        filling.finish_with(triangles)
     }
 }
 

@@ -1,6 +1,6 @@
-//! A frame seen from the mesh: the rays of its pixels, in the mesh's coordinates.
+//! A frame among the mesh's triangles: the rays of its pixels, in the mesh's coordinates.
 
-use glam::{DMat3, DVec2, DVec3, Vec3};
+use glam::{DMat3, DVec2, DVec3, UVec2, Vec3};
 
 use super::Mesh;
 use super::camera::Camera;
@@ -8,7 +8,7 @@ use super::pose::Pose;
 
 /// A camera placed among the mesh's triangles.
 #[derive(Debug, Clone, PartialEq)]
-pub struct View {
+pub(crate) struct View {
     camera: Camera,
     to_world: DMat3,
     centre: Vec3,
@@ -16,7 +16,7 @@ pub struct View {
 
 /// A rectangle of pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Tile {
+pub(crate) struct Tile {
     /// First column.
     pub x: u32,
     /// First row.
@@ -28,13 +28,13 @@ pub struct Tile {
 }
 
 impl Tile {
-    /// The image position (`row * image width + column`) of the tile's pixel at (column, row).
-    pub fn position(self, (x, y): (u32, u32), image_width: u32) -> usize {
-        (self.y + y) as usize * image_width as usize + (self.x + x) as usize
+    /// The position in the image (`row * image width + column`) of the tile's pixel at `x` (column) and `y` (row).
+    pub(crate) fn position(self, pixel: UVec2, image_width: u32) -> usize {
+        (self.y + pixel.y) as usize * image_width as usize + (self.x + pixel.x) as usize
     }
 
-    /// Tiles of at most `side` x `side` pixels that cover it, row by row.
-    pub fn split(self, side: u32) -> impl Iterator<Item = Tile> {
+    /// Tiles of at most `side` x `side` pixels that cover this one, row by row.
+    pub(crate) fn split(self, side: u32) -> impl Iterator<Item = Tile> {
         let (side, Tile { x, y, width, height }) = (side.max(1), self);
         let corner = move |start: u32, length: u32| (start..start + length).step_by(side as usize);
         let row = move |top| corner(x, width).map(move |left| (left, top));
@@ -49,32 +49,27 @@ impl Tile {
 
 impl View {
     /// Places a camera; its pose is in the mesh file's coordinates.
-    pub fn new(camera: Camera, pose: &Pose, mesh: &Mesh) -> View {
+    pub(crate) fn new(camera: Camera, pose: &Pose, mesh: &Mesh) -> View {
         let to_world = DMat3::from_quat(pose.rotation.inverse());
         View { camera, to_world, centre: (pose.centre() - mesh.origin).as_vec3() }
     }
 
-    /// The camera.
-    pub fn camera(&self) -> &Camera {
-        &self.camera
-    }
-
     /// Centre of projection, relative to the mesh's origin.
-    pub fn centre(&self) -> Vec3 {
+    pub(crate) fn centre(&self) -> Vec3 {
         self.centre
     }
 
     /// Tiles of at most `side` x `side` pixels that cover the image, row by row.
-    pub fn tiles(&self, side: u32) -> impl Iterator<Item = Tile> + use<> {
+    pub(crate) fn tiles(&self, side: u32) -> impl Iterator<Item = Tile> + use<> {
         Tile { x: 0, y: 0, width: self.camera.width, height: self.camera.height }.split(side)
     }
 
-    /// Unit directions, in the world, through the centres of a tile's pixels, given as (column, row) in the tile; NaN
-    /// where the lens sees nothing. `out` is overwritten.
-    pub fn directions(&self, tile: Tile, pixels: &[(u32, u32)], out: &mut Vec<Vec3>) {
+    /// Unit directions, in the world, through the centres of a tile's pixels, which are counted from the tile's corner;
+    /// NaN where the lens sees nothing. `out` is overwritten.
+    pub(crate) fn directions(&self, tile: Tile, pixels: &[UVec2], out: &mut Vec<Vec3>) {
         out.clear();
-        out.extend(pixels.iter().map(|&(x, y)| {
-            let pixel = DVec2::new(f64::from(tile.x + x) + 0.5, f64::from(tile.y + y) + 0.5);
+        out.extend(pixels.iter().map(|pixel| {
+            let pixel = DVec2::new(f64::from(tile.x + pixel.x) + 0.5, f64::from(tile.y + pixel.y) + 0.5);
             let ray = self.camera.ray(pixel).unwrap_or(DVec3::NAN);
             (self.to_world * ray).as_vec3()
         }));
@@ -84,13 +79,13 @@ impl View {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::camera::Model;
+    use crate::scene::camera::Lens;
 
     fn view() -> View {
         let mesh = Mesh::new(&[DVec3::ZERO, DVec3::X, DVec3::Y].map(|v| v + 1e6), vec![[0, 1, 2]]).unwrap();
-        let model = Model::pinhole(DVec2::splat(50.0), DVec2::new(35.0, 20.0));
+        let lens = Lens::pinhole(DVec2::splat(50.0), DVec2::new(35.0, 20.0));
         let eye = mesh.origin + DVec3::Z * 10.0;
-        View::new(Camera { width: 70, height: 40, model }, &Pose::look_at(eye, mesh.origin, DVec3::Y), &mesh)
+        View::new(Camera { width: 70, height: 40, lens }, &Pose::look_at(eye, mesh.origin, DVec3::Y), &mesh)
     }
 
     #[test]
@@ -99,7 +94,7 @@ mod tests {
         for side in [1, 7, 32, 100] {
             let mut seen = vec![0; 70 * 40];
             for tile in view.tiles(side) {
-                let all = (0..tile.height).flat_map(|y| (0..tile.width).map(move |x| (x, y)));
+                let all = (0..tile.height).flat_map(|y| (0..tile.width).map(move |x| UVec2::new(x, y)));
                 all.for_each(|p| seen[tile.position(p, 70)] += 1);
             }
             assert!(seen.iter().all(|&n| n == 1), "side {side}");
@@ -110,7 +105,7 @@ mod tests {
     fn rays_leave_the_centre_of_pixels() {
         let (view, mut out) = (view(), Vec::new());
         let tile = Tile { x: 34, y: 19, width: 2, height: 2 };
-        view.directions(tile, &[(0, 0), (1, 0), (0, 1), (1, 1)], &mut out);
+        view.directions(tile, &[UVec2::ZERO, UVec2::X, UVec2::Y, UVec2::ONE], &mut out);
         assert!((view.centre() - Vec3::Z * 10.0).length() < 1e-5, "{}", view.centre());
         // The principal point is the corner of four pixels: their rays lie around straight down.
         assert!((out.iter().sum::<Vec3>() / 4.0).normalize().distance(Vec3::NEG_Z) < 1e-6);

@@ -1,22 +1,32 @@
-//! One shard of one segment: columns to bytes and back. The layout is in `format`.
+//! The block of one shard in one segment: columns to bytes and back. The layout is in `format`.
 
 use std::io::Read;
 
-use super::format::SHARD;
 use super::varint::{Column, put, put_signed};
-use crate::base::ids::TriangleId;
+use crate::base::ids::{ShardId, TriangleId};
 use crate::scene::reflectance::{BINS, Bin, BinSum};
 
-/// A shard's records, ascending, as the reader hands them out.
+/// A shard's records in one segment, ascending.
 #[derive(Debug, Default, PartialEq, Eq)]
 pub struct Block {
-    /// `(triangle, frames that saw it, records)`, ascending by triangle.
-    pub triangles: Vec<(TriangleId, u32, u32)>,
-    /// The records of these triangles, one after the other.
+    /// The triangles, ascending.
+    pub triangles: Vec<BlockTriangle>,
+    /// The bins and sums of these triangles' records, triangle after triangle.
     pub records: Vec<(Bin, BinSum)>,
 }
 
-/// Columns of a block being written.
+/// A triangle of a block.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct BlockTriangle {
+    /// The triangle.
+    pub triangle: TriangleId,
+    /// Frames that saw the triangle.
+    pub frames: u32,
+    /// Number of the triangle's records in the block.
+    pub records: u32,
+}
+
+/// The columns of a block that is being written.
 #[derive(Debug, Default)]
 pub struct Columns {
     triangles: Vec<u8>,
@@ -29,18 +39,18 @@ pub struct Columns {
 
 impl Columns {
     /// Begins the block of a shard.
-    pub fn begin(&mut self, shard: u32) {
+    pub fn begin(&mut self, shard: ShardId) {
         [&mut self.triangles, &mut self.bins, &mut self.counts]
             .into_iter()
             .chain(&mut self.radiance)
             .for_each(Vec::clear);
-        self.last_triangle = shard * SHARD;
+        self.last_triangle = shard.first();
         self.last_green = 0;
     }
 
     /// Adds a triangle: greater than the one before, with at least one bin, ascending.
     pub fn push(&mut self, triangle: TriangleId, frames: u32, bins: &[(Bin, BinSum)]) {
-        put(&mut self.triangles, u64::from(triangle - self.last_triangle));
+        put(&mut self.triangles, u64::from(triangle.0 - self.last_triangle.0));
         put(&mut self.triangles, u64::from(frames));
         put(&mut self.triangles, bins.len() as u64 - 1);
         self.last_triangle = triangle;
@@ -65,7 +75,7 @@ impl Columns {
         }
     }
 
-    /// The block, uncompressed.
+    /// Writes the uncompressed block into `out`, which is overwritten.
     pub fn write(&self, out: &mut Vec<u8>) {
         out.clear();
         for column in [&self.triangles, &self.bins, &self.counts].into_iter().chain(&self.radiance) {
@@ -75,9 +85,15 @@ impl Columns {
     }
 }
 
-/// Decodes a block of `triangles` triangles and `records` records. Says what is wrong with one that is not so.
-pub fn decode(compressed: &[u8], shard: u32, triangles: u32, records: u32) -> Result<Block, String> {
+/// Decodes a block of `triangles` triangles and `records` records.
+///
+/// # Errors
+/// In words, what is wrong with the block.
+pub fn decode(compressed: &[u8], shard: ShardId, triangles: u32, records: u32) -> Result<Block, String> {
     let wrong = |what: &str| format!("block of shard {shard}: {what}");
+    if shard > ShardId::LAST {
+        return Err(wrong("no triangle is in that shard"));
+    }
     let mut raw = Vec::new();
     // The numbers of a record take at most 2 + 10 + 3 * 20 bytes, so a bomb stops here.
     let limit = u64::from(triangles) * 20 + u64::from(records) * 72 + 64;
@@ -90,30 +106,33 @@ pub fn decode(compressed: &[u8], shard: u32, triangles: u32, records: u32) -> Re
     let mut radiance = [column()?, column()?, column()?];
 
     let mut block = Block::default();
-    let (mut triangle, mut green) = (u64::from(shard) * u64::from(SHARD), 0i64);
-    let end = triangle + u64::from(SHARD);
+    // The triangle's position in the shard.
+    let (mut slot, mut green) = (0u32, 0i64);
     for i in 0..triangles {
         let head = (|| Some((heads.next()?, heads.next()?, heads.next()?)))();
         let (step, frames, more) = head.ok_or_else(|| wrong("fewer triangles than the index says"))?;
-        triangle = triangle
-            .checked_add(step)
-            .filter(|&t| t < end && (i == 0 || step > 0))
+        slot = (u64::from(slot).checked_add(step))
+            .and_then(|s| u32::try_from(s).ok())
+            .filter(|&s| s < ShardId::TRIANGLES && (i == 0 || step > 0))
             .ok_or_else(|| wrong("triangles out of order"))?;
         let frames = u32::try_from(frames).map_err(|_| wrong("a frame count past 32 bits"))?;
-        let mut bin = 0u64;
-        if more >= BINS as u64 {
-            return Err(wrong("more records than a map has bins"));
-        }
+        let more = u16::try_from(more)
+            .ok()
+            .filter(|&more| usize::from(more) < BINS)
+            .ok_or_else(|| wrong("more records than a map has bins"))?;
+        let mut bin: Bin = 0;
         for j in 0..=more {
             let step = bins.next().filter(|&s| j == 0 || s > 0);
             bin = step
-                .and_then(|s| bin.checked_add(s))
-                .filter(|&b| b < BINS as u64)
+                .and_then(|s| u64::from(bin).checked_add(s))
+                .and_then(|b| Bin::try_from(b).ok())
+                .filter(|&b| usize::from(b) < BINS)
                 .ok_or_else(|| wrong("bins out of order"))?;
             let sum = next_sum(&mut counts, &mut radiance, &mut green).ok_or_else(|| wrong("a sum that cannot be"))?;
-            block.records.push((bin as Bin, sum));
+            block.records.push((bin, sum));
         }
-        block.triangles.push((triangle as TriangleId, frames, more as u32 + 1));
+        let triangle = TriangleId(shard.first().0 + slot);
+        block.triangles.push(BlockTriangle { triangle, frames, records: u32::from(more) + 1 });
     }
     let left = [heads, bins, counts].iter().chain(&radiance).any(|c| !c.is_empty()) || !all.is_empty();
     if left || block.records.len() != records as usize {
@@ -122,7 +141,7 @@ pub fn decode(compressed: &[u8], shard: u32, triangles: u32, records: u32) -> Re
     Ok(block)
 }
 
-/// One record's sums.
+/// The sums of the next record.
 #[inline]
 fn next_sum(counts: &mut Column<'_>, radiance: &mut [Column<'_>; 3], green: &mut i64) -> Option<BinSum> {
     let head = counts.next()?;

@@ -1,21 +1,22 @@
-//! Few large segments instead of many small ones. When memory is short a unit writes a segment whenever it is full; before
-//! the unit ends they become one, which is also the one that it would have written with memory to spare.
+//! Joins many small segments into few large ones. When memory is short, a unit writes a segment whenever its memory is full;
+//! before the unit ends, these segments become one: the same one that the unit writes when memory is not short.
 
 use std::io::{self, Write};
 
+use super::collect::{TriangleMap, collect_shard};
 use super::format::Entry;
-use super::merge::merge_shard;
 use super::reader::Segment;
 use super::writer::SegmentWriter;
+use crate::base::ids::ShardId;
 use crate::base::{Error, Result};
 
-/// Segments that are merged at once, at most: what is held open, and read in turns.
-pub const FAN_IN: usize = 16;
+/// Segments that are joined at a time, at most: all are open, and read in turns.
+pub(crate) const FAN_IN: usize = 16;
 
-/// Which segments of these sizes are to be merged next, as positions; none when one is left. The smallest go first, and just
-/// so many that every later merge is as wide as it may be: so the fewest bytes are written again (Huffman 1952, for wider
+/// The positions of the segments to join next, given all sizes; none when one segment is left. The smallest go first, and
+/// just so many that every later join has the full width: so the fewest bytes are written again (Huffman 1952, for wider
 /// trees).
-pub fn next(sizes: &[u64]) -> Vec<usize> {
+pub(crate) fn next(sizes: &[u64]) -> Vec<usize> {
     if sizes.len() < 2 {
         return Vec::new();
     }
@@ -25,19 +26,20 @@ pub fn next(sizes: &[u64]) -> Vec<usize> {
     order
 }
 
-/// Writes the sum of segments as one. Holds one shard at a time. Gives the sink back and the new index; `failed` makes an
-/// error of one of the sink's.
-pub fn merge<B: AsRef<[u8]>, W: Write>(
+/// Writes the sum of segments as one segment. Holds one shard at a time. Gives back the sink and the new index; `failed`
+/// turns an error of the sink into one that names the file.
+pub(crate) fn join<B: AsRef<[u8]>, W: Write>(
     segments: &[Segment<B>],
     out: W,
     failed: impl Fn(io::Error) -> Error,
 ) -> Result<(W, Vec<Entry>)> {
-    let mut shards: Vec<u32> = segments.iter().flat_map(|segment| segment.index().map(|entry| entry.shard)).collect();
+    let mut shards: Vec<ShardId> =
+        segments.iter().flat_map(|segment| segment.index().map(|entry| entry.shard)).collect();
     shards.sort_unstable();
     shards.dedup();
     let mut writer = SegmentWriter::new(out).map_err(&failed)?;
     for shard in shards {
-        for (triangle, frames, map) in merge_shard(segments, shard)?.triangles {
+        for TriangleMap { triangle, frames, map } in collect_shard(segments, shard)?.triangles {
             writer.push(triangle, frames, &map.bins).map_err(&failed)?;
         }
     }
@@ -48,8 +50,8 @@ pub fn merge<B: AsRef<[u8]>, W: Write>(
 mod tests {
     use super::*;
 
-    /// Merges until one is left: how many merges, how wide the widest was, bytes written.
-    fn merges(mut sizes: Vec<u64>) -> (usize, usize, u64) {
+    /// Joins until one is left: the number of joins, the width of the widest, bytes written.
+    fn joins(mut sizes: Vec<u64>) -> (usize, usize, u64) {
         let (mut count, mut widest, mut written) = (0, 0, 0);
         loop {
             let mut picked = next(&sizes);
@@ -68,13 +70,13 @@ mod tests {
     }
 
     #[test]
-    fn merges_are_bounded_and_few() {
+    fn joins_are_bounded_and_few() {
         assert_eq!(next(&[]), [0; 0]);
         assert_eq!(next(&[7]), [0; 0]);
         assert_eq!(next(&[9, 1, 5]), [1, 2, 0]);
         for n in 2..200 {
-            let (count, widest, written) = merges(vec![1; n]);
-            assert!(widest <= FAN_IN && count == (n - 1).div_ceil(FAN_IN - 1), "{n}: {count} merges, {widest} wide");
+            let (count, widest, written) = joins(vec![1; n]);
+            assert!(widest <= FAN_IN && count == (n - 1).div_ceil(FAN_IN - 1), "{n}: {count} joins, {widest} wide");
             let levels = (n as f64).log(FAN_IN as f64).ceil();
             assert!(written as f64 <= levels * n as f64, "{n}: {written} bytes");
         }
@@ -84,6 +86,6 @@ mod tests {
     fn the_large_one_is_written_once() {
         let mut sizes = vec![1; 40];
         sizes[17] = 1000;
-        assert!(merges(sizes).2 < 1000 + 3 * 40);
+        assert!(joins(sizes).2 < 1000 + 3 * 40);
     }
 }

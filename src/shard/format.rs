@@ -17,51 +17,51 @@
 //! footer    index offset u64, entries u32, crc32 u32 of the index, magic 8 bytes
 //! ```
 //!
-//! Quotients lie close together and remainders are short, which zstd alone cannot see in raw sums.
-//! Equal hashes are equal observations, so that a shard whose hashes have not changed is not inferred again.
+//! Quotients lie close together and remainders are short; zstd alone cannot find that in raw sums.
+//! Equal hashes mean equal records, so that a shard whose hashes have not changed is not inferred again.
 //! A reader verifies magic, version, footer, that the file ends where the footer says, the index's checksum, and each
 //! block's checksum before it is decoded.
+
+use crate::base::ids::ShardId;
 
 /// First and last bytes of a segment.
 pub const MAGIC: [u8; 8] = *b"GONIOSEG";
 /// Version of the layout above; part of every unit key.
 pub const VERSION: u32 = 2;
-/// Triangles in a shard.
-pub const SHARD: u32 = 4096;
 /// Bytes of magic and version.
-pub const HEADER: usize = 12;
+pub(crate) const HEADER: usize = 12;
 /// Bytes of an index entry.
 pub const ENTRY: usize = 48;
 /// Bytes of the footer.
-pub const FOOTER: usize = 24;
+pub(crate) const FOOTER: usize = 24;
 
-/// One index entry: where a shard's block lies.
+/// An entry of the index: where a shard's block lies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Entry {
-    /// Which shard: triangles `shard * SHARD ..`.
-    pub shard: u32,
+    /// The block's shard.
+    pub shard: ShardId,
     /// Triangles in the block.
     pub triangles: u32,
     /// Records in the block.
     pub records: u32,
     /// crc32 of the compressed block.
     pub crc: u32,
-    /// Where it starts in the file.
+    /// Where the block starts in the file.
     pub offset: u64,
-    /// How many compressed bytes it has.
+    /// Bytes of the compressed block.
     pub length: u64,
-    /// What is in it.
+    /// The block's content hash.
     pub hash: Hash,
 }
 
 /// The content hash of a block.
-pub type Hash = [u8; 16];
+pub(crate) type Hash = [u8; 16];
 
 impl Entry {
-    /// The entry as it is stored.
+    /// The entry's bytes in the file.
     pub fn to_bytes(self) -> [u8; ENTRY] {
         let mut out = [0; ENTRY];
-        for (i, v) in [self.shard, self.triangles, self.records, self.crc].into_iter().enumerate() {
+        for (i, v) in [self.shard.0, self.triangles, self.records, self.crc].into_iter().enumerate() {
             out[4 * i..4 * i + 4].copy_from_slice(&v.to_le_bytes());
         }
         out[16..24].copy_from_slice(&self.offset.to_le_bytes());
@@ -76,7 +76,7 @@ impl Entry {
         let mut hash = Hash::default();
         hash.copy_from_slice(&b[32..]);
         Entry {
-            shard: word(0),
+            shard: ShardId(word(0)),
             triangles: word(1),
             records: word(2),
             crc: word(3),
@@ -88,13 +88,13 @@ impl Entry {
 }
 
 /// Little-endian u32 at `at`, which must lie within `bytes`.
-pub fn u32_at(bytes: &[u8], at: usize) -> u32 {
+pub(crate) fn u32_at(bytes: &[u8], at: usize) -> u32 {
     let mut word = [0; 4];
     word.copy_from_slice(&bytes[at..at + 4]);
     u32::from_le_bytes(word)
 }
 
 /// Little-endian u64 at `at`, which must lie within `bytes`.
-pub fn u64_at(bytes: &[u8], at: usize) -> u64 {
+pub(crate) fn u64_at(bytes: &[u8], at: usize) -> u64 {
     u64::from(u32_at(bytes, at)) | u64::from(u32_at(bytes, at + 4)) << 32
 }

@@ -1,30 +1,33 @@
-//! Observations out of core: the segment format, its writer, its reader, the merge of many segments, and what comes
-//! of a shard.
+//! Observations out of core: the segment format, its writer and reader, how a shard is collected from many segments, and
+//! the rows of a shard.
 //!
-//! A *segment* is what a group of frames saw: an immutable file of records sorted by (triangle, bin). A *shard* is a
-//! range of [`SHARD`](format::SHARD) triangles. Every segment keeps each shard in a block of its own, so that the reduce
-//! side takes shard after shard from any number of segments and never holds more than one shard of them, or a part of one. What it finds
-//! out about a shard is a file of its own ([`rows`]), which stays good until one of the shard's blocks changes.
+//! A *segment* is what a group of frames saw: an immutable file of records sorted by (triangle, bin). A *shard* is
+//! 4,096 neighbouring triangles ([`ShardId`](crate::base::ids::ShardId)). Every segment keeps each shard in a block of its
+//! own, so that the reduce side takes shard after shard from any number of segments and never holds more than one shard of
+//! them, or a slice of one. The rows inferred of a shard are a file of their own ([`rows`]), which stays valid until one of
+//! the shard's blocks changes.
 //!
-//! Sums are integers: merging is exact, and its result the same bits whatever was merged in what order.
+//! Sums are integers: adding them is exact, and the result is the same bits in whatever order they are added.
 
-pub mod accumulate;
-pub mod block;
-pub mod blocks;
-pub mod compact;
-pub mod format;
-pub mod merge;
-pub mod reader;
-pub mod rows;
+pub(crate) mod accumulate;
+pub(crate) mod block;
+pub(crate) mod blocks;
+pub(crate) mod collect;
+pub(crate) mod compact;
+pub(crate) mod format;
+pub(crate) mod reader;
+pub(crate) mod rows;
+mod sum;
 mod varint;
-pub mod writer;
+pub(crate) mod writer;
 
 #[cfg(test)]
 mod tests;
 
-pub use accumulate::{Accumulator, FrameRows, GroupRows, Record};
-pub use blocks::Blocks;
-pub use merge::{ShardMaps, merge_least, merge_need, merge_part, merge_parts, merge_shard};
+pub(crate) use accumulate::{Accumulator, FrameRecords, GroupRecords, Record};
+pub(crate) use blocks::Blocks;
+pub use collect::collect_shard;
+pub(crate) use collect::{ShardMaps, TriangleMap};
+pub(crate) use collect::{Slice, collect_least, collect_need, collect_slice, collect_slices};
 pub use reader::Segment;
-pub use rows::ShardRows;
-pub use writer::SegmentWriter;
+pub(crate) use rows::{Row, ShardRows};

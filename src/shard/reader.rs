@@ -1,10 +1,12 @@
-//! Opens a segment: verifies its frame at once and each block when it is asked for.
+//! Opens a segment: verifies header, footer and index at once, and each block when it is read.
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use super::block::{self, Block};
-use super::format::{ENTRY, Entry, FOOTER, HEADER, MAGIC, SHARD, VERSION, u32_at, u64_at};
+use super::format::{ENTRY, Entry, FOOTER, HEADER, MAGIC, VERSION, u32_at, u64_at};
+use crate::base::convert::to_usize;
+use crate::base::ids::ShardId;
 use crate::base::{Error, Result};
 
 /// An open segment over its bytes, mapped or in memory.
@@ -12,12 +14,12 @@ use crate::base::{Error, Result};
 pub struct Segment<B> {
     bytes: B,
     path: PathBuf,
-    /// Where the index lies. It is read where it is: a run may have thousands of segments open.
+    /// Where the index lies. It is read in place: a run may have thousands of segments open.
     index: Range<usize>,
 }
 
 impl<B: AsRef<[u8]>> Segment<B> {
-    /// Checks magic, version, footer and index. `path` is what errors name.
+    /// Opens a segment once magic, version, footer and index are checked. Errors name `path`.
     pub fn open(bytes: B, path: &Path) -> Result<Self> {
         let index = find_index(bytes.as_ref()).map_err(|found| Error::malformed(path, found))?;
         Ok(Segment { bytes, path: path.to_owned(), index })
@@ -27,22 +29,22 @@ impl<B: AsRef<[u8]>> Segment<B> {
         self.bytes.as_ref()[self.index.clone()].as_chunks().0
     }
 
-    /// The blocks, ascending by shard.
+    /// The index entries of the blocks, ascending by shard.
     pub fn index(&self) -> impl Iterator<Item = Entry> {
         self.entries().iter().map(Entry::from_bytes)
     }
 
-    /// The entry of a shard, if the segment holds anything in it.
-    pub fn entry(&self, shard: u32) -> Option<Entry> {
+    /// The index entry of a shard; `None` if the segment has no block of it.
+    pub fn entry(&self, shard: ShardId) -> Option<Entry> {
         let entries = self.entries();
         let found = entries.binary_search_by_key(&shard, |e| Entry::from_bytes(e).shard).ok();
         found.map(|at| Entry::from_bytes(&entries[at]))
     }
 
-    /// A shard's block, verified; `None` if the segment holds nothing in it.
-    pub fn block(&self, shard: u32) -> Result<Option<Block>> {
+    /// A shard's block, verified; `None` if the segment has none.
+    pub fn block(&self, shard: ShardId) -> Result<Option<Block>> {
         let Some(e) = self.entry(shard) else { return Ok(None) };
-        let bytes = &self.bytes.as_ref()[e.offset as usize..(e.offset + e.length) as usize];
+        let bytes = &self.bytes.as_ref()[to_usize(e.offset)..to_usize(e.offset + e.length)];
         let fault = |found: String| Error::malformed(&self.path, found);
         if crc32fast::hash(bytes) != e.crc {
             return Err(fault(format!(
@@ -54,18 +56,18 @@ impl<B: AsRef<[u8]>> Segment<B> {
         block::decode(bytes, shard, e.triangles, e.records).map(Some).map_err(fault)
     }
 
-    /// Reads every block, and so every byte that counts.
+    /// Reads and verifies every block.
     pub fn verify(&self) -> Result<()> {
         self.index().try_for_each(|e| self.block(e.shard).map(drop))
     }
 }
 
-/// Where the index lies, once it has been checked.
+/// Checks the index and says where it lies.
 fn find_index(bytes: &[u8]) -> Result<Range<usize>, String> {
-    let short = || format!("{} bytes are too few for a segment: it was cut short", bytes.len());
+    let short = || format!("{} bytes are too few for a segment: the file was cut short", bytes.len());
     let body = bytes.len().checked_sub(FOOTER).filter(|&n| n >= HEADER).ok_or_else(short)?;
     if bytes[..8] != MAGIC {
-        return Err("no segment: it does not begin with GONIOSEG".into());
+        return Err("not a segment: it does not begin with GONIOSEG".into());
     }
     let version = u32_at(bytes, 8);
     if version != VERSION {
@@ -84,14 +86,14 @@ fn find_index(bytes: &[u8]) -> Result<Range<usize>, String> {
         return Err("the index fails its checksum".into());
     }
     let mut end = HEADER as u64;
-    let mut shards = -1i64;
+    let mut before = None;
     for e in bytes[index.clone()].as_chunks().0.iter().map(Entry::from_bytes) {
         let inside = e.offset == end && e.length <= start && e.offset + e.length <= start;
-        let counted = e.triangles >= 1 && e.triangles <= SHARD && e.records >= e.triangles;
-        if !inside || !counted || i64::from(e.shard) <= shards || e.shard > u32::MAX / SHARD {
+        let counted = e.triangles >= 1 && e.triangles <= ShardId::TRIANGLES && e.records >= e.triangles;
+        if !inside || !counted || before >= Some(e.shard) || e.shard > ShardId::LAST {
             return Err(format!("the index entry of shard {} does not fit the file", e.shard));
         }
-        (end, shards) = (e.offset + e.length, i64::from(e.shard));
+        (end, before) = (e.offset + e.length, Some(e.shard));
     }
     if end != start {
         return Err("the blocks do not end where the index begins".into());

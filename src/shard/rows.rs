@@ -1,4 +1,4 @@
-//! What the reduce side found out about one shard. A sealed file, version 2. Integers and floats are little endian.
+//! The rows of one shard: what was inferred of its triangles. A sealed file, version 2. Integers and floats are little endian.
 //!
 //! ```text
 //! shard   u32
@@ -9,8 +9,9 @@
 
 use std::io::Write;
 
-use super::format::{SHARD, u32_at};
-use crate::base::ids::TriangleId;
+use super::format::u32_at;
+use crate::base::convert::to_u32;
+use crate::base::ids::{ShardId, TriangleId};
 use crate::base::{Error, Result};
 use crate::disk::{FileEntry, Seal, Store};
 use crate::scene::Material;
@@ -19,34 +20,42 @@ use crate::scene::evidence::Evidence;
 const SEAL: Seal = Seal { magic: *b"GONIOROW", version: VERSION, kind: "shard of materials" };
 
 /// Version of the layout above; part of every shard's key.
-pub const VERSION: u32 = 2;
+pub(crate) const VERSION: u32 = 2;
 
 /// Bytes of shard and rows.
 const HEADER: usize = 8;
 
 /// Bytes of a row.
-pub const ROW: usize = 4 * (1 + Material::LEN + Evidence::LEN);
+pub(crate) const ROW: usize = 4 * (1 + Material::LEN + Evidence::LEN);
 
-/// `(triangle, its material, the evidence behind it)`. The material is NaN where there is too little evidence.
-pub type Row = (TriangleId, [f32; Material::LEN], Evidence);
+/// What was inferred of one triangle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Row {
+    /// The triangle.
+    pub triangle: TriangleId,
+    /// The triangle's material; NaN where there is too little evidence.
+    pub material: [f32; Material::LEN],
+    /// The evidence behind the material.
+    pub evidence: Evidence,
+}
 
-/// The answers for one shard.
+/// The rows of one shard.
 #[derive(Debug, Clone, PartialEq)]
-pub struct ShardRows {
-    /// Which shard.
-    pub shard: u32,
-    /// Its observed triangles, ascending.
+pub(crate) struct ShardRows {
+    /// The shard.
+    pub shard: ShardId,
+    /// The rows of the observed triangles, ascending.
     pub rows: Vec<Row>,
 }
 
 impl ShardRows {
-    /// Writes them under this name.
-    pub fn write(&self, store: &dyn Store, name: &str) -> Result<FileEntry> {
+    /// Writes the rows under this name.
+    pub(crate) fn write(&self, store: &dyn Store, name: &str) -> Result<FileEntry> {
         let mut bytes = Vec::with_capacity(HEADER + self.rows.len() * ROW);
-        bytes.extend(self.shard.to_le_bytes());
-        bytes.extend((self.rows.len() as u32).to_le_bytes());
-        for (triangle, material, evidence) in &self.rows {
-            bytes.extend(triangle.to_le_bytes());
+        bytes.extend(self.shard.0.to_le_bytes());
+        bytes.extend(to_u32(self.rows.len()).to_le_bytes());
+        for Row { triangle, material, evidence } in &self.rows {
+            bytes.extend(triangle.0.to_le_bytes());
             bytes.extend(material.iter().chain(&evidence.to_array()).flat_map(|v| v.to_le_bytes()));
         }
         let mut out = SEAL.create(store, name)?;
@@ -54,23 +63,23 @@ impl ShardRows {
         out.seal()
     }
 
-    /// Reads those of this shard from the file of this name.
+    /// Reads the rows of this shard from the file of this name.
     ///
     /// # Errors
-    /// A file that is no such shard, in words.
-    pub fn read(store: &dyn Store, name: &str, shard: u32) -> Result<ShardRows> {
+    /// A file that does not hold rows of this shard.
+    pub(crate) fn read(store: &dyn Store, name: &str, shard: ShardId) -> Result<ShardRows> {
         let bytes = SEAL.open(store, name)?;
         let wrong = |found: String| Error::malformed(store.path(name), found);
         let (header, body) = bytes.split_at_checked(HEADER).ok_or_else(|| wrong("it has no header".into()))?;
         let (rows, rest) = body.as_chunks::<ROW>();
-        if u32_at(header, 0) != shard || u32_at(header, 4) as usize != rows.len() || !rest.is_empty() {
+        if u32_at(header, 0) != shard.0 || u32_at(header, 4) as usize != rows.len() || !rest.is_empty() {
             let (found, said) = (u32_at(header, 0), u32_at(header, 4));
             return Err(wrong(format!("shard {found} with {said} rows in {} bytes; wanted is {shard}", body.len())));
         }
         let rows: Vec<Row> = rows.iter().map(row).collect();
-        let own = shard * SHARD..(shard + 1).saturating_mul(SHARD);
-        if !rows.is_sorted_by(|a, b| a.0 < b.0) || rows.iter().any(|row| !own.contains(&row.0)) {
-            return Err(wrong("its triangles are not ascending ones of its shard".into()));
+        let own = |row: &Row| row.triangle != TriangleId::NONE && row.triangle.shard() == shard;
+        if !rows.is_sorted_by(|a, b| a.triangle < b.triangle) || !rows.iter().all(own) {
+            return Err(wrong("its triangles do not ascend, or are not of its shard".into()));
         }
         Ok(ShardRows { shard, rows })
     }
@@ -79,7 +88,7 @@ impl ShardRows {
 fn row(bytes: &[u8; ROW]) -> Row {
     let at = |column: usize| f32::from_bits(u32_at(bytes, 4 * (1 + column)));
     let evidence = Evidence::from_array(std::array::from_fn(|c| at(Material::LEN + c)));
-    (u32_at(bytes, 0), std::array::from_fn(at), evidence)
+    Row { triangle: TriangleId(u32_at(bytes, 0)), material: std::array::from_fn(at), evidence }
 }
 
 #[cfg(test)]
@@ -88,10 +97,16 @@ mod tests {
     use crate::disk::MemStore;
     use crate::scene::evidence::Filled;
 
-    fn rows(shard: u32, triangles: &[TriangleId]) -> ShardRows {
+    const SHARD: u32 = ShardId::TRIANGLES;
+
+    fn rows(shard: u32, triangles: &[u32]) -> ShardRows {
         let evidence = Evidence { frames: 3.0, filled: Filled::Observed, ..Evidence::default() };
-        let row = |&t: &TriangleId| (t, std::array::from_fn(|c| t as f32 + c as f32 / 8.0), evidence);
-        ShardRows { shard, rows: triangles.iter().map(row).collect() }
+        let row = |&t: &u32| Row {
+            triangle: TriangleId(t),
+            material: std::array::from_fn(|c| t as f32 + c as f32 / 8.0),
+            evidence,
+        };
+        ShardRows { shard: ShardId(shard), rows: triangles.iter().map(row).collect() }
     }
 
     #[test]
@@ -108,7 +123,7 @@ mod tests {
         let store = MemStore::new();
         for (name, rows) in [("a", rows(1, &[0])), ("b", rows(1, &[SHARD + 1, SHARD + 1])), ("c", rows(0, &[1]))] {
             rows.write(&store, name).unwrap();
-            assert!(ShardRows::read(&store, name, 1).is_err());
+            assert!(ShardRows::read(&store, name, ShardId(1)).is_err());
         }
         rows(1, &[SHARD, SHARD + 4]).write(&store, "whole").unwrap();
         let whole = store.open("whole").unwrap().to_vec();
@@ -116,7 +131,7 @@ mod tests {
             let mut draft = store.create("torn").unwrap();
             draft.write_all(bytes).unwrap();
             draft.replace().unwrap();
-            ShardRows::read(&store, "torn", 1).is_ok()
+            ShardRows::read(&store, "torn", ShardId(1)).is_ok()
         };
         assert!(believed(&whole));
         assert!(!(0..whole.len()).any(|cut| believed(&whole[..cut])));

@@ -5,11 +5,19 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
 
 use super::accumulate::sum_equal_keys;
-use super::format::SHARD;
+use super::writer::SegmentWriter;
 use super::*;
-use crate::scene::reflectance::{BINS, Bin, BinSum, SparseMap};
+use crate::base::ids::{ShardId, TriangleId};
+use crate::base::key::Key;
+use crate::scene::reflectance::{Bin, BinSum, SparseMap};
 
+/// `(triangle, frames, bins)`.
 type Triangles = Vec<(u32, u32, Vec<(Bin, BinSum)>)>;
+
+const SHARD: u32 = ShardId::TRIANGLES;
+
+/// Bins of a map.
+const FULL: Bin = 7200;
 
 fn random_sum(rng: &mut Pcg32) -> BinSum {
     let count = if rng.random_bool(0.5) { 1 } else { rng.random_range(1..2000) };
@@ -22,7 +30,7 @@ fn random_triangles(rng: &mut Pcg32, below: u32, n: usize) -> Triangles {
     ids.sort_unstable();
     ids.dedup();
     let with_bins = ids.into_iter().map(|id| {
-        let mut bins: Vec<Bin> = (0..rng.random_range(1..20)).map(|_| rng.random_range(0..BINS as Bin)).collect();
+        let mut bins: Vec<Bin> = (0..rng.random_range(1..20)).map(|_| rng.random_range(0..FULL)).collect();
         bins.sort_unstable();
         bins.dedup();
         (id, rng.random_range(1..9), bins.into_iter().map(|b| (b, random_sum(rng))).collect())
@@ -32,7 +40,7 @@ fn random_triangles(rng: &mut Pcg32, below: u32, n: usize) -> Triangles {
 
 fn write(triangles: &Triangles) -> Vec<u8> {
     let mut writer = SegmentWriter::new(Vec::new()).unwrap();
-    triangles.iter().for_each(|(t, f, b)| writer.push(*t, *f, b).unwrap());
+    triangles.iter().for_each(|(t, f, b)| writer.push(TriangleId(*t), *f, b).unwrap());
     writer.finish().unwrap().0
 }
 
@@ -41,9 +49,9 @@ fn open(bytes: &[u8]) -> crate::base::Result<Segment<&[u8]>> {
 }
 
 fn read(segments: &[Segment<&[u8]>]) -> Triangles {
-    let shards = segments.iter().flat_map(|s| s.index()).map(|e| e.shard).max().map_or(0, |s| s + 1);
-    let maps = (0..shards).flat_map(|s| merge_shard(segments, s).unwrap().triangles);
-    maps.map(|(t, f, SparseMap { bins })| (t, f, bins)).collect()
+    let shards = segments.iter().flat_map(|s| s.index()).map(|e| e.shard.0).max().map_or(0, |s| s + 1);
+    let maps = (0..shards).flat_map(|s| collect_shard(segments, ShardId(s)).unwrap().triangles);
+    maps.map(|TriangleMap { triangle, frames, map: SparseMap { bins } }| (triangle.0, frames, bins)).collect()
 }
 
 #[test]
@@ -59,15 +67,16 @@ fn what_is_written_is_read() {
 #[test]
 fn extremes_are_read_back() {
     let huge = BinSum { radiance: [u64::from(u32::MAX) << 26, 0, 1], count: u32::MAX, clipped: u32::MAX };
-    let triangles = vec![(0, u32::MAX, vec![(0, huge), (BINS as Bin - 1, huge)]), (u32::MAX - 1, 1, vec![(7, huge)])];
+    let triangles = vec![(0, u32::MAX, vec![(0, huge), (FULL - 1, huge)]), (u32::MAX - 1, 1, vec![(7, huge)])];
     let bytes = write(&triangles);
     let segment = open(&bytes).unwrap();
-    assert_eq!(segment.block((u32::MAX - 1) / SHARD).unwrap().unwrap().triangles, [(u32::MAX - 1, 1, 1)]);
-    assert_eq!(merge_shard(&[segment], 0).unwrap().triangles[0].2.bins, triangles[0].2);
+    let last = block::BlockTriangle { triangle: TriangleId(u32::MAX - 1), frames: 1, records: 1 };
+    assert_eq!(segment.block(ShardId::LAST).unwrap().unwrap().triangles, [last]);
+    assert_eq!(collect_shard(&[segment], ShardId(0)).unwrap().triangles[0].map.bins, triangles[0].2);
 }
 
 #[test]
-fn segments_merge_to_the_same_in_any_order() {
+fn segments_sum_to_the_same_in_any_order() {
     let mut rng = Pcg32::seed_from_u64(2);
     let parts: Vec<Triangles> = (0..6).map(|_| random_triangles(&mut rng, 2 * SHARD, 800)).collect();
     let bytes: Vec<Vec<u8>> = parts.iter().map(write).collect();
@@ -90,7 +99,7 @@ fn tiles_and_frames_sum_to_the_same_in_any_order() {
     let gather = |seen: &[(u32, Bin, BinSum)], tile: usize| {
         let mut a = Accumulator::new(1 << 30);
         for part in seen.chunks(tile) {
-            part.iter().for_each(|&(t, b, s)| a.observe(t, b, s));
+            part.iter().for_each(|&(t, b, s)| a.observe(TriangleId(t), b, s));
             assert_eq!(a.end_tile(), None);
         }
         a.finish()
@@ -108,10 +117,10 @@ fn tiles_and_frames_sum_to_the_same_in_any_order() {
 fn disorder_is_refused_by_the_writer() {
     let sum = BinSum::one([0.5; 3], false);
     let mut writer = SegmentWriter::new(Vec::new()).unwrap();
-    writer.push(5, 1, &[(1, sum)]).unwrap();
-    assert!(writer.push(5, 1, &[(1, sum)]).is_err());
-    assert!(writer.push(6, 1, &[(2, sum), (2, sum)]).is_err());
-    assert!(writer.push(6, 1, &[(2, BinSum::default())]).is_err());
+    writer.push(TriangleId(5), 1, &[(1, sum)]).unwrap();
+    assert!(writer.push(TriangleId(5), 1, &[(1, sum)]).is_err());
+    assert!(writer.push(TriangleId(6), 1, &[(2, sum), (2, sum)]).is_err());
+    assert!(writer.push(TriangleId(6), 1, &[(2, BinSum::default())]).is_err());
 }
 
 #[test]
@@ -137,11 +146,11 @@ fn a_forged_block_is_refused_however_it_is_filled() {
     for _ in 0..300 {
         let raw: Vec<u8> = (0..rng.random_range(0..200)).map(|_| rng.random_range(0..24)).collect();
         let compressed = zstd::bulk::compress(&raw, 1).unwrap();
-        let _ = block::decode(&compressed, rng.random_range(0..3), 2, 3);
-        let _ = block::decode(&raw, 0, 2, 3);
+        let _ = block::decode(&compressed, ShardId(rng.random_range(0..3)), 2, 3);
+        let _ = block::decode(&raw, ShardId(0), 2, 3);
     }
     let bomb = zstd::bulk::compress(&vec![0; 1 << 26], 1).unwrap();
-    assert!(block::decode(&bomb, 0, 1, 1).is_err());
+    assert!(block::decode(&bomb, ShardId(0), 1, 1).is_err());
 }
 
 #[test]
@@ -149,12 +158,12 @@ fn a_group_counts_the_frames_that_saw_a_triangle() {
     let sum = BinSum::one([0.5; 3], false);
     let frame = |keys: &[(u32, Bin)]| {
         let mut a = Accumulator::new(1 << 30);
-        keys.iter().for_each(|&(t, b)| a.observe(t, b, sum));
+        keys.iter().for_each(|&(t, b)| a.observe(TriangleId(t), b, sum));
         a.finish()
     };
-    let mut group = GroupRows::default();
+    let mut group = GroupRecords::default();
     group.add(frame(&[(3, 1), (3, 2), (9, 5)]), false);
-    group.add(FrameRows::default(), false);
+    group.add(FrameRecords::default(), false);
     group.add(frame(&[(3, 2), (5000, 1)]), false);
     let (bytes, index) = group.write(Vec::new()).unwrap();
     assert_eq!(index.iter().map(|e| e.records).sum::<u32>(), 4);
@@ -176,8 +185,8 @@ fn a_frame_in_parts_counts_once_however_many_segments_it_is_written_to() {
         .collect();
     // `bytes` bounds a frame's rows, `spill` those of the group.
     let gather = |bytes: u64, spill: u64| {
-        let (mut group, mut files, mut parts) = (GroupRows::default(), Vec::new(), 0);
-        let mut add = |rows: FrameRows, more: bool| {
+        let (mut group, mut files, mut parts) = (GroupRecords::default(), Vec::new(), 0);
+        let mut add = |rows: FrameRecords, more: bool| {
             assert!(rows.bytes() <= bytes.saturating_add(100 * Record::BYTES));
             if !group.is_empty() && group.bytes_with(&rows) > spill {
                 files.push(group.write(Vec::new()).unwrap().0);
@@ -192,7 +201,7 @@ fn a_frame_in_parts_counts_once_however_many_segments_it_is_written_to() {
         for frame in &frames {
             let mut rows = Accumulator::new(bytes);
             for tile in frame.chunks(100) {
-                tile.iter().for_each(|&(t, b, s)| rows.observe(t, b, s));
+                tile.iter().for_each(|&(t, b, s)| rows.observe(TriangleId(t), b, s));
                 if let Some(part) = rows.end_tile() {
                     add(part, true);
                 }
@@ -218,22 +227,47 @@ fn a_frame_in_parts_counts_once_however_many_segments_it_is_written_to() {
 }
 
 #[test]
-fn a_shard_in_parts_is_the_shard() {
+fn a_shard_in_slices_is_the_shard() {
     let mut rng = Pcg32::seed_from_u64(7);
     let files: Vec<Vec<u8>> = (0..6).map(|_| write(&random_triangles(&mut rng, 2 * SHARD, 2000))).collect();
     let segments: Vec<_> = files.iter().map(|bytes| open(bytes).unwrap()).collect();
-    let whole = merge_shard(&segments, 1).unwrap();
-    let (need, least) = (merge_need(&segments, 1), merge_least(&segments, 1));
+    let whole = collect_shard(&segments, ShardId(1)).unwrap();
+    let (need, least) = (collect_need(&segments, ShardId(1)), collect_least(&segments, ShardId(1)));
     assert!(!whole.more && least < need);
     let mut last = usize::MAX;
     for room in [0, least, (least + need) / 2, need - 1, need] {
-        let parts = merge_parts(&segments, 1, room).unwrap();
-        assert!(parts.iter().all(|(_, held)| *held <= room.max(least)), "{parts:?} of {room}");
-        let maps: Vec<ShardMaps> =
-            parts.iter().map(|(part, _)| merge_part(&segments, 1, part.clone()).unwrap()).collect();
+        let parts = collect_slices(&segments, ShardId(1), room).unwrap();
+        assert!(parts.iter().all(|slice| slice.need <= room.max(least)), "{parts:?} of {room}");
+        let slice = |slice: &Slice| collect_slice(&segments, ShardId(1), slice.triangles.clone()).unwrap();
+        let maps: Vec<ShardMaps> = parts.iter().map(slice).collect();
         assert!(maps.iter().rev().skip(1).all(|maps| maps.more) && !maps[maps.len() - 1].more);
         assert!(maps.into_iter().flat_map(|maps| maps.triangles).eq(whole.triangles.iter().cloned()), "{room}");
         assert!(parts.len() <= last && (parts.len() > 1) == (room < need), "{} of {room}", parts.len());
         last = parts.len();
     }
+}
+
+#[test]
+fn a_segment_keeps_its_bytes() {
+    let bytes = write(&random_triangles(&mut Pcg32::seed_from_u64(8), 3 * SHARD, 2000));
+    assert_eq!(
+        (bytes.len(), Key::of_bytes(&bytes).to_string()),
+        (230_894, "fdc7418143064878b88d476747874e7f4ad13963a405909a8a2018f0f32667d9".into())
+    );
+    // Through tiles, frames and a group.
+    let mut rng = Pcg32::seed_from_u64(9);
+    let mut group = GroupRecords::default();
+    for _ in 0..3 {
+        let mut records = Accumulator::new(1 << 30);
+        for _ in 0..2000 {
+            let (t, bin) = (rng.random_range(0..2 * SHARD), rng.random_range(0..FULL));
+            records.observe(TriangleId(t), bin, BinSum::one([rng.random(), 0.5, 2.0], rng.random_bool(0.1)));
+        }
+        group.add(records.finish(), false);
+    }
+    let bytes = group.write(Vec::new()).unwrap().0;
+    assert_eq!(
+        (bytes.len(), Key::of_bytes(&bytes).to_string()),
+        (30_752, "454adad401b4c58b4b02d5ad95aede2259ba1dea4f1f734743127ab8116a72a2".into())
+    );
 }

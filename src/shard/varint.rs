@@ -2,34 +2,34 @@
 
 /// Appends `value`.
 #[inline]
-pub fn put(out: &mut Vec<u8>, mut value: u64) {
+pub(super) fn put(out: &mut Vec<u8>, mut value: u64) {
     while value >= 0x80 {
-        out.push(value as u8 | 0x80);
+        out.push(value.to_le_bytes()[0] | 0x80);
         value >>= 7;
     }
-    out.push(value as u8);
+    out.push(value.to_le_bytes()[0]);
 }
 
 /// Appends a signed value, small magnitudes short.
 #[inline]
-pub fn put_signed(out: &mut Vec<u8>, value: i64) {
+pub(super) fn put_signed(out: &mut Vec<u8>, value: i64) {
     put(out, ((value << 1) ^ (value >> 63)) as u64);
 }
 
 /// A column being read.
-pub struct Column<'a> {
+pub(super) struct Column<'a> {
     rest: &'a [u8],
 }
 
 impl<'a> Column<'a> {
-    /// Reads from these bytes.
-    pub fn new(rest: &'a [u8]) -> Self {
+    /// A column of these bytes.
+    pub(super) fn new(rest: &'a [u8]) -> Self {
         Column { rest }
     }
 
     /// The next number; `None` past the end, or if it does not fit 64 bits.
     #[inline]
-    pub fn next(&mut self) -> Option<u64> {
+    pub(super) fn next(&mut self) -> Option<u64> {
         let mut value = 0u64;
         for shift in (0..64).step_by(7) {
             let (&byte, rest) = self.rest.split_first()?;
@@ -48,19 +48,19 @@ impl<'a> Column<'a> {
 
     /// The next signed number.
     #[inline]
-    pub fn next_signed(&mut self) -> Option<i64> {
+    pub(super) fn next_signed(&mut self) -> Option<i64> {
         self.next().map(|v| (v >> 1) as i64 ^ -((v & 1) as i64))
     }
 
     /// The next `length` bytes as a column.
-    pub fn split(&mut self, length: u64) -> Option<Column<'a>> {
+    pub(super) fn split(&mut self, length: u64) -> Option<Column<'a>> {
         let (head, rest) = self.rest.split_at_checked(usize::try_from(length).ok()?)?;
         self.rest = rest;
         Some(Column::new(head))
     }
 
-    /// Whether all was read.
-    pub fn is_empty(&self) -> bool {
+    /// Whether all numbers were read.
+    pub(super) fn is_empty(&self) -> bool {
         self.rest.is_empty()
     }
 }

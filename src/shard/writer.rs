@@ -1,30 +1,31 @@
-//! Writes a segment, block by block, in one pass.
+//! Writes a segment block by block, in one pass.
 
 use std::io::{self, Write};
 
 use super::block::Columns;
-use super::format::{Entry, Hash, MAGIC, SHARD, VERSION};
-use crate::base::ids::TriangleId;
+use super::format::{Entry, Hash, MAGIC, VERSION};
+use crate::base::convert::to_u32;
+use crate::base::ids::{ShardId, TriangleId};
 use crate::scene::reflectance::{Bin, BinSum};
 
 /// zstd level of blocks. On aerial data level 3 is 2% smaller than 1 and higher levels gain less than they cost.
 const LEVEL: i32 = 3;
 
 /// A segment being written. Triangles must ascend.
-pub struct SegmentWriter<W> {
+pub(crate) struct SegmentWriter<W> {
     out: W,
     offset: u64,
     index: Vec<Entry>,
     columns: Columns,
     /// The open block's shard, triangles and records.
-    open: Option<(u32, u32, u32)>,
+    open: Option<(ShardId, u32, u32)>,
     last: Option<TriangleId>,
     raw: Vec<u8>,
 }
 
 impl<W: Write> SegmentWriter<W> {
     /// Begins a segment.
-    pub fn new(mut out: W) -> io::Result<Self> {
+    pub(crate) fn new(mut out: W) -> io::Result<Self> {
         out.write_all(&MAGIC)?;
         out.write_all(&VERSION.to_le_bytes())?;
         Ok(SegmentWriter {
@@ -38,9 +39,12 @@ impl<W: Write> SegmentWriter<W> {
         })
     }
 
-    /// Adds a triangle: how many frames saw it, and its bins, ascending, each with a count of at least 1. A triangle
-    /// without bins is left out. Not ascending is an `InvalidInput` error.
-    pub fn push(&mut self, triangle: TriangleId, frames: u32, bins: &[(Bin, BinSum)]) -> io::Result<()> {
+    /// Adds a triangle: the number of frames that saw it, and its bins, ascending, each with a count of at least 1. A
+    /// triangle without bins is left out.
+    ///
+    /// # Errors
+    /// Those of the sink, and `InvalidInput` if triangles or bins do not ascend.
+    pub(crate) fn push(&mut self, triangle: TriangleId, frames: u32, bins: &[(Bin, BinSum)]) -> io::Result<()> {
         let ascending = self.last.is_none_or(|l| l < triangle) && bins.is_sorted_by(|a, b| a.0 < b.0);
         if !ascending || bins.iter().any(|b| b.1.count == 0) {
             return Err(io::Error::new(
@@ -52,7 +56,7 @@ impl<W: Write> SegmentWriter<W> {
             return Ok(());
         }
         self.last = Some(triangle);
-        let shard = triangle / SHARD;
+        let shard = triangle.shard();
         if self.open.is_none_or(|o| o.0 != shard) {
             self.end_block()?;
             self.columns.begin(shard);
@@ -61,7 +65,7 @@ impl<W: Write> SegmentWriter<W> {
         self.columns.push(triangle, frames, bins);
         if let Some((_, triangles, records)) = &mut self.open {
             *triangles += 1;
-            *records += bins.len() as u32;
+            *records += to_u32(bins.len());
         }
         Ok(())
     }
@@ -80,13 +84,13 @@ impl<W: Write> SegmentWriter<W> {
         Ok(())
     }
 
-    /// Writes index and footer. Gives the sink back, still to be synced, and the index. A segment may be empty.
-    pub fn finish(mut self) -> io::Result<(W, Vec<Entry>)> {
+    /// Writes index and footer. Gives back the sink, which is not synced yet, and the index. A segment may be empty.
+    pub(crate) fn finish(mut self) -> io::Result<(W, Vec<Entry>)> {
         self.end_block()?;
         let index: Vec<u8> = self.index.iter().flat_map(|e| e.to_bytes()).collect();
         self.out.write_all(&index)?;
         self.out.write_all(&self.offset.to_le_bytes())?;
-        self.out.write_all(&(self.index.len() as u32).to_le_bytes())?;
+        self.out.write_all(&to_u32(self.index.len()).to_le_bytes())?;
         self.out.write_all(&crc32fast::hash(&index).to_le_bytes())?;
         self.out.write_all(&MAGIC)?;
         Ok((self.out, self.index))

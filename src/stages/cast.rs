@@ -1,50 +1,52 @@
 //! Cast: a linear image becomes observations, one ray a pixel, tile by tile.
 
-use serde::Serialize;
-
-use super::Fault;
 use super::decode::Decoded;
 use crate::base::Result;
-use crate::base::ids::{FrameId, TriangleId};
+use crate::base::ids::TriangleId;
+use crate::config::{Effect, Key, Keys, Section, Settings, Value};
 use crate::flow::{Map, Outlet, Skipped};
 use crate::scene::Mesh;
 use crate::scene::frame::{Frame, LinearImage};
 use crate::scene::reflectance::{BinSum, LobeFrame, bin_of};
 use crate::scene::view::{Tile, View};
-use crate::shard::{Accumulator, FrameRows, Record};
-use crate::trace::{Bvh, TileRays};
+use crate::shard::{Accumulator, FrameRecords, Record};
+use crate::trace::{Bvh, PixelHit, TileRays};
 
 /// Section `[cast]`.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Config {
-    /// Edge length of a tile, pixels: a power of two, 8 to 256. Rays of a tile are traced together and its observations
-    /// summed together, so larger tiles write less and hold more. The result does not depend on it.
+    /// A tile's edge length in pixels: a power of two, 8 to 256. The rays of a tile are traced together and its observations
+    /// are summed together, so larger tiles write less and hold more. The result does not depend on it.
     pub tile: u32,
 }
 
-impl Default for Config {
-    fn default() -> Self {
-        Config { tile: 32 }
+impl Section for Config {
+    const NAME: &'static str = "cast";
+    const ABOUT: &'static str = "How the pixels of a frame are cast onto the mesh.";
+    const KEYS: &'static [Key] = &[Key {
+        name: "tile",
+        doc: "The edge length of a tile of rays in pixels, a power of two, 8 to 256. It changes the speed, never the result.",
+        value: Value::Default("32"),
+    }];
+
+    fn read(keys: &Keys<'_>) -> Self {
+        let tile: u32 = keys.value("tile");
+        let good = (8..=256).contains(&tile) && tile.is_power_of_two();
+        keys.check("tile", good, "must be a power of two, 8 to 256");
+        Config { tile }
+    }
+
+    fn settings(&self) -> Settings {
+        let Config { tile } = self;
+        Settings::of(Self::NAME).with("tile", tile, Effect::Nothing)
     }
 }
 
-impl Config {
-    /// What is wrong with it.
-    pub fn check(&self) -> Vec<Fault> {
-        if (8..=256).contains(&self.tile) && self.tile.is_power_of_two() {
-            return Vec::new();
-        }
-        vec![Fault::new("tile", "must be a power of two, 8 to 256", self.tile)]
-    }
-}
-
-/// What one frame saw of the mesh, or a part of it, or why it is skipped.
-pub struct Seen {
-    /// Which frame.
-    pub frame: FrameId,
-    /// What it saw.
-    pub rows: Result<FrameRows, Skipped>,
-    /// Whether further parts of the frame follow. The last one tells what was cast.
+/// What one frame saw of the mesh, or a piece of it, or why it is skipped.
+pub(crate) struct Seen {
+    /// The records of what the frame saw.
+    pub rows: Result<FrameRecords, Skipped>,
+    /// Whether further pieces of the frame follow. The last piece has the counts below; the others have zeros.
     pub more: bool,
     /// Rays cast.
     pub rays: u64,
@@ -53,57 +55,57 @@ pub struct Seen {
 }
 
 /// Casts every pixel of a frame onto the mesh.
-pub struct Cast<'a> {
+pub(crate) struct Cast<'a> {
     /// All frames, sorted by name.
     pub frames: &'a [Frame],
     /// The mesh.
     pub mesh: &'a Mesh,
-    /// Its hierarchy.
+    /// The mesh's hierarchy.
     pub bvh: &'a Bvh,
-    /// Edge length of a tile, pixels.
+    /// A tile's edge length in pixels.
     pub tile: u32,
-    /// By how much images are smaller than their cameras say.
+    /// How much smaller images are, each way, than their cameras.
     pub downscale: u32,
-    /// Bytes of a frame's rows from which on they are handed on in parts. The result does not depend on it.
-    pub part: u64,
+    /// A frame's records are handed on whenever they take this many bytes. The result does not depend on it.
+    pub piece: u64,
 }
 
-/// What a worker keeps from frame to frame.
-pub struct Scratch {
+/// A worker's buffers, kept from frame to frame.
+pub(crate) struct Scratch {
     rays: TileRays,
     rows: Accumulator,
 }
 
-/// The most parts of frames that are alive at once besides those that the next stage has taken: one that grows in each
-/// worker's hands, one beside it that waits for its turn, one of each further frame that is done ahead of its turn, and
-/// those in the queue and in the next stage's hands.
-pub fn parts_alive(workers: usize, queue: usize) -> usize {
+/// The most pieces of frames that are alive at once before the next stage has taken them. Each worker has one that grows, one
+/// that waits for its turn, and one of a frame that was done ahead of its turn; others are in the queue and in the next stage's
+/// hands.
+pub(crate) fn pieces_alive(workers: usize, queue: usize) -> usize {
     3 * workers + queue + 1
 }
 
 /// Bytes that a worker holds for a tile of this edge length: pixels, rays and hits, and its observations.
-pub fn tile_bytes(tile: u32) -> u64 {
+pub(crate) fn tile_bytes(tile: u32) -> u64 {
     u64::from(tile) * u64::from(tile) * (TileRays::BYTES_PER_PIXEL + 2 * Record::BYTES)
 }
 
 impl Cast<'_> {
-    /// Casts the pixels of tiles; gives `part` the rows whenever they have become too many to be held. Gives the rest of
-    /// the rows and the number of observations.
-    pub fn rows(
+    /// Casts the pixels of tiles. Hands records to `piece` whenever they take too much memory; gives the rest of the records
+    /// and the number of observations.
+    pub(crate) fn rows(
         &self,
         view: &View,
         tiles: impl Iterator<Item = Tile>,
         image: &LinearImage,
         scratch: &mut Scratch,
-        mut part: impl FnMut(FrameRows) -> Result<()>,
-    ) -> Result<(FrameRows, u64)> {
+        mut piece: impl FnMut(FrameRecords) -> Result<()>,
+    ) -> Result<(FrameRecords, u64)> {
         let Scratch { rays, rows } = scratch;
         let mut observations = 0;
-        // Neighbouring pixels mostly see one triangle: its axes are worked out once for a run of them.
+        // Neighbouring pixels mostly see one triangle, whose axes are worked out once.
         let mut last: Option<(TriangleId, LobeFrame)> = None;
         for tile in tiles {
-            for (at, direction, hit) in rays.cast(view, self.bvh, tile).filter(|(.., hit)| hit.is_some()) {
-                let Some(pixel) = image.pixel(tile.position(at, image.width)) else { continue };
+            for PixelHit { pixel, direction, hit } in rays.cast(view, self.bvh, tile).filter(|ray| ray.hit.is_some()) {
+                let Some(pixel) = image.pixel(tile.position(pixel, image.width)) else { continue };
                 if last.is_none_or(|(t, _)| t != hit.triangle) {
                     last = self.mesh.lobe_frame(hit.triangle).map(|axes| (hit.triangle, axes));
                 }
@@ -114,7 +116,7 @@ impl Cast<'_> {
                     observations += 1;
                 }
             }
-            rows.end_tile().map_or(Ok(()), &mut part)?;
+            rows.end_tile().map_or(Ok(()), &mut piece)?;
         }
         Ok((rows.finish(), observations))
     }
@@ -126,24 +128,24 @@ impl Map for Cast<'_> {
     type Scratch = Scratch;
 
     fn scratch(&self) -> Result<Scratch> {
-        Ok(Scratch { rays: TileRays::default(), rows: Accumulator::new(self.part) })
+        Ok(Scratch { rays: TileRays::default(), rows: Accumulator::new(self.piece) })
     }
 
     fn apply(&self, scratch: &mut Scratch, decoded: Decoded, out: &mut Outlet<'_, Seen>) -> Result<()> {
         let Decoded { frame, image } = decoded;
-        let last = Seen { frame, rows: Ok(FrameRows::default()), more: false, rays: 0, observations: 0 };
+        let last = Seen { rows: Ok(FrameRecords::default()), more: false, rays: 0, observations: 0 };
         let (image, memory) = match image {
             Ok(image) => image,
             Err(skipped) => return out.send(Seen { rows: Err(skipped), ..last }),
         };
-        let posed = &self.frames[frame as usize];
+        let posed = &self.frames[frame.index()];
         let view = View::new(posed.camera.down_scaled(self.downscale), &posed.pose, self.mesh);
-        let (rows, observations) = self.rows(&view, view.tiles(self.tile), &image, scratch, |part| {
-            out.count_bytes(part.bytes());
-            out.send(Seen { frame, rows: Ok(part), more: true, rays: 0, observations: 0 })
+        let (rows, observations) = self.rows(&view, view.tiles(self.tile), &image, scratch, |piece| {
+            out.count_bytes(piece.bytes());
+            out.send(Seen { rows: Ok(piece), more: true, rays: 0, observations: 0 })
         })?;
         let rays = image.len() as u64;
-        // What waits for its turn is the rows alone.
+        // Only the records wait for their turn.
         drop((image, memory));
         out.count_bytes(rows.bytes());
         out.send(Seen { rows: Ok(rows), rays, observations, ..last })
@@ -153,11 +155,12 @@ impl Map for Cast<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::config::read_text;
 
     #[test]
     fn tiles_are_powers_of_two() {
-        for (tile, faults) in [(8, 0), (32, 0), (256, 0), (0, 1), (4, 1), (33, 1), (512, 1), (u32::MAX, 1)] {
-            assert_eq!(Config { tile }.check().len(), faults, "{tile}");
+        for (tile, problems) in [(8, 0), (32, 0), (256, 0), (0, 1), (4, 1), (33, 1), (512, 1), (u32::MAX, 1)] {
+            assert_eq!(read_text::<Config>(&format!("tile = {tile}")).1.len(), problems, "{tile}");
         }
     }
 }

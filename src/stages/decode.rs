@@ -2,34 +2,30 @@
 
 use std::path::Path;
 
-use serde::Serialize;
-
-use super::{Choice, Fault};
 use crate::base::Result;
+use crate::base::convert::to_f32;
 use crate::base::ids::FrameId;
-use crate::codec::image::{self, Curve, Need};
+use crate::codec::images::{self, Curve, Need, Size};
+use crate::config::{Choice, Effect, Former, Key, Keys, Now, Problem, Section, Settings, Value, outside};
 use crate::flow::{Map, Outlet, Reservation, Skipped};
 use crate::scene::frame::{Frame, LinearImage};
 
 /// Section `[decode]`.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Config {
     /// How stored values become linear radiance.
     pub transfer: Transfer,
     /// The exponent of [`Transfer::Gamma`], 0.2 to 5; none with any other transfer.
     pub gamma: Option<f64>,
-    /// What is done about exposures that differ between frames.
-    pub exposure: Exposure,
-    /// By how much images are smaller, each way, than their cameras say: 1 to 64. Pixels that do not fill a whole one of
-    /// the smaller are cut off, so 1617 by 1208 pixels become 808 by 604.
+    /// How much smaller images are, each way, than their cameras: 1 to 64. The pixels left over at the edge are cut off, so
+    /// 1617 by 1208 pixels become 808 by 604.
     pub downscale: u32,
 }
 
 /// How stored values in [0, 1] become linear radiance. Floating-point files are linear and are never changed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Transfer {
-    /// The inverse of IEC 61966-2-1: what a camera's JPEG holds.
+    /// By the inverse of IEC 61966-2-1: a camera's JPEG holds such values.
     Srgb,
     /// Stored values are linear.
     Linear,
@@ -42,69 +38,88 @@ impl Choice for Transfer {
         &[("srgb", Transfer::Srgb), ("linear", Transfer::Linear), ("gamma", Transfer::Gamma)];
 }
 
-/// What is done about exposures that differ between frames.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Exposure {
-    /// Nothing: frames are taken to be exposed alike.
-    AsIs,
+impl Section for Config {
+    const NAME: &'static str = "decode";
+    const ABOUT: &'static str = "How photographs become linear radiance.";
+    const KEYS: &'static [Key] = &[
+        Key {
+            name: "transfer",
+            doc: "What the stored values mean: \"srgb\", as cameras and phones write them; \"linear\"; or \"gamma\" with an \
+                  exponent.",
+            value: Value::Default("\"srgb\""),
+        },
+        Key {
+            name: "gamma",
+            doc: "The exponent, 0.2 to 5, with transfer = \"gamma\" only.",
+            value: Value::Optional("2.2"),
+        },
+        Key {
+            name: "downscale",
+            doc: "How much smaller the photographs are, each way, than the cameras of the poses, 1 to 64.",
+            value: Value::Default("1"),
+        },
+    ];
+    const FORMER: &'static [Former] =
+        &[Former { name: "exposure", now: Now::Gone("all frames are taken to be exposed alike") }];
+
+    fn read(keys: &Keys<'_>) -> Self {
+        let transfer = keys.choice("transfer");
+        let gamma = keys.optional("gamma");
+        // A transfer that cannot be read may be the one that needs a gamma.
+        if keys.is_good("transfer") {
+            check_gamma(keys, transfer, gamma);
+        }
+        Config { transfer, gamma, downscale: keys.within("downscale", 1..=64) }
+    }
+
+    fn settings(&self) -> Settings {
+        let Config { transfer, gamma, downscale } = self;
+        Settings::of(Self::NAME)
+            .with("transfer", transfer.name(), Effect::Cast)
+            .optional("gamma", *gamma, Effect::Cast)
+            .with("downscale", downscale, Effect::Cast)
+    }
 }
 
-impl Choice for Exposure {
-    const NAMES: &'static [(&'static str, Self)] = &[("as_is", Exposure::AsIs)];
-}
-
-impl Default for Config {
-    fn default() -> Self {
-        Config { transfer: Transfer::Srgb, gamma: None, exposure: Exposure::AsIs, downscale: 1 }
+fn check_gamma(keys: &Keys<'_>, transfer: Transfer, gamma: Option<f64>) {
+    let problem = match (transfer, gamma) {
+        (Transfer::Gamma, None) => Some(Problem::new("is needed where transfer = \"gamma\"").hint("add `gamma = 2.2`")),
+        (Transfer::Gamma, Some(gamma)) => outside(&(0.2..=5.0), &gamma),
+        (other, Some(_)) => {
+            let rule = format!("has no meaning where transfer = \"{}\"", other.name());
+            Some(Problem::new(rule).hint("take it out, or set transfer = \"gamma\""))
+        }
+        (_, None) => None,
+    };
+    if let Some(problem) = problem {
+        keys.check("gamma", false, problem);
     }
 }
 
 impl Config {
-    /// What is wrong with it.
-    pub fn check(&self) -> Vec<Fault> {
-        let mut faults = self.check_gamma();
-        faults.extend(Fault::unless_within("downscale", self.downscale, 1..=64));
-        faults
-    }
-
     /// The tables of the transfer.
     pub fn curve(&self) -> Curve {
         Curve::new(match (self.transfer, self.gamma) {
-            (Transfer::Srgb, _) => image::Transfer::Srgb,
-            (Transfer::Gamma, Some(gamma)) => image::Transfer::Gamma(gamma as f32),
-            (Transfer::Linear | Transfer::Gamma, _) => image::Transfer::Linear,
+            (Transfer::Srgb, _) => images::Transfer::Srgb,
+            (Transfer::Gamma, Some(gamma)) => images::Transfer::Gamma(to_f32(gamma)),
+            (Transfer::Linear | Transfer::Gamma, _) => images::Transfer::Linear,
         })
-    }
-
-    fn check_gamma(&self) -> Vec<Fault> {
-        match (self.transfer, self.gamma) {
-            (Transfer::Gamma, None) => {
-                vec![Fault::new("gamma", "is needed where transfer = \"gamma\"", "nothing").hint("add `gamma = 2.2`")]
-            }
-            (Transfer::Gamma, Some(gamma)) => Fault::unless_within("gamma", gamma, 0.2..=5.0).into_iter().collect(),
-            (other, Some(gamma)) => {
-                let rule = format!("has no meaning where transfer = \"{}\"", other.name());
-                vec![Fault::new("gamma", rule, gamma).hint("take it out, or set transfer = \"gamma\"")]
-            }
-            (_, None) => Vec::new(),
-        }
     }
 }
 
 /// A frame that may be read, or why it is skipped.
 pub struct Lent {
-    /// Which frame.
+    /// The frame.
     pub frame: FrameId,
-    /// The memory that it may take.
+    /// The memory that reading the frame may take.
     pub memory: Result<Reservation, Skipped>,
 }
 
 /// A frame whose image has been read, or why it is skipped.
 pub struct Decoded {
-    /// Which frame.
+    /// The frame.
     pub frame: FrameId,
-    /// Its pixels, and the memory that they are held in.
+    /// The frame's pixels, and the memory that holds them.
     pub image: Result<(LinearImage, Reservation), Skipped>,
 }
 
@@ -113,11 +128,11 @@ pub struct Decoded {
 pub struct Decode<'a> {
     /// All frames, sorted by name.
     pub frames: &'a [Frame],
-    /// The folder that their names are relative to.
+    /// The folder of the images.
     pub images: &'a Path,
     /// The folder of masks, if there is one.
     pub masks: Option<&'a Path>,
-    /// By how much images are smaller than their cameras say.
+    /// How much smaller images are, each way, than their cameras.
     pub downscale: u32,
     /// How stored samples become radiance.
     pub curve: Curve,
@@ -126,35 +141,35 @@ pub struct Decode<'a> {
 }
 
 impl Decode<'_> {
-    /// What reading one frame's image and its mask will take.
+    /// The memory that reading a frame's image and mask takes.
     ///
     /// # Errors
-    /// A file that is not there, or whose header is not that of such an image.
+    /// A file that is missing, or has the header of another image.
     pub fn need(&self, frame: &Frame) -> Result<Need> {
         let size = self.size(frame);
-        let image = image::need(&self.images.join(&frame.name), size)?;
-        self.masks.map_or(Ok(image), |masks| Ok(image.then(image::mask_need(masks, &frame.name, size)?)))
+        let image = images::need(&self.images.join(&frame.name), size)?;
+        self.masks.map_or(Ok(image), |masks| Ok(image.then(images::mask_need(masks, &frame.name, size)?)))
     }
 
-    /// Reads one frame's image and its mask within this many bytes.
+    /// Reads a frame's image and mask within this many bytes.
     pub fn read(&self, frame: &Frame, memory: u64) -> Result<LinearImage> {
         let size = self.size(frame);
-        let mut image = image::read_image(&self.images.join(&frame.name), size, &self.curve, memory)?;
+        let mut image = images::read_image(&self.images.join(&frame.name), size, &self.curve, memory)?;
         if let Some(masks) = self.masks {
-            image.mask = image::read_mask(masks, &frame.name, size, memory.saturating_sub(image.bytes()))?;
+            image.mask = images::read_mask(masks, &frame.name, size, memory.saturating_sub(image.bytes()))?;
         }
         Ok(image)
     }
 
-    /// Columns and rows that a frame's image must have.
-    fn size(&self, frame: &Frame) -> (u32, u32) {
+    /// The size that a frame's image must have.
+    fn size(&self, frame: &Frame) -> Size {
         let by = self.downscale.max(1);
-        (frame.camera.width / by, frame.camera.height / by)
+        Size { width: frame.camera.width / by, height: frame.camera.height / by }
     }
 }
 
-/// A frame to be skipped: why, and the command that tries it alone.
-pub fn skipped(frame: &Frame, why: impl ToString, replay: &str) -> Skipped {
+/// A frame that is skipped, with the reason and the command that tries the frame alone.
+pub(crate) fn skipped(frame: &Frame, why: impl ToString, replay: &str) -> Skipped {
     Skipped { item: frame.name.clone(), why: why.to_string(), replay: format!("{replay} --frame {}", frame.name) }
 }
 
@@ -169,7 +184,7 @@ impl Map for Decode<'_> {
 
     fn apply(&self, _: &mut (), lent: Lent, out: &mut Outlet<'_, Decoded>) -> Result<()> {
         let Lent { frame, memory } = lent;
-        let posed = &self.frames[frame as usize];
+        let posed = &self.frames[frame.index()];
         let image = memory.and_then(|mut memory| {
             let image = self.read(posed, memory.bytes()).map_err(|why| skipped(posed, why, self.replay))?;
             memory.shrink(memory.bytes().saturating_sub(image.bytes()));
@@ -186,20 +201,23 @@ impl Map for Decode<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::config::read_text;
 
     #[test]
     fn gamma_belongs_to_its_transfer() {
-        let faults = |transfer, gamma| Config { transfer, gamma, ..Config::default() }.check().len();
-        assert_eq!(Config { downscale: 0, ..Config::default() }.check().len(), 1);
-        assert_eq!(faults(Transfer::Srgb, None), 0);
-        assert_eq!(faults(Transfer::Gamma, Some(2.2)), 0);
-        for (transfer, gamma) in [
-            (Transfer::Gamma, None),
-            (Transfer::Gamma, Some(0.0)),
-            (Transfer::Gamma, Some(f64::NAN)),
-            (Transfer::Linear, Some(2.2)),
+        for (text, fields) in [
+            ("downscale = 0", &["decode.downscale"][..]),
+            ("", &[]),
+            ("transfer = 'gamma'\ngamma = 2.2", &[]),
+            ("transfer = 'gamma'", &["decode.gamma"]),
+            ("transfer = 'gamma'\ngamma = 0", &["decode.gamma"]),
+            ("transfer = 'gamma'\ngamma = nan", &["decode.gamma"]),
+            ("transfer = 'linear'\ngamma = 2.2", &["decode.gamma"]),
+            ("gamma = 'much'", &["decode.gamma"]),
+            ("transfer = 'gama'\ngamma = 2.2", &["decode.transfer"]),
         ] {
-            assert_eq!(faults(transfer, gamma), 1, "{transfer:?} {gamma:?}");
+            let (_, problems) = read_text::<Config>(text);
+            assert_eq!(problems.iter().map(|p| p.field.as_str()).collect::<Vec<_>>(), fields, "{text}");
         }
     }
 }

@@ -1,33 +1,34 @@
-//! Materials for triangles that have too little evidence of their own: those of the nearest observed triangles across
-//! edges, level by level outwards, so that the result depends on the mesh alone.
+//! Fills triangles that have too little evidence with the materials of the nearest observed triangles. It goes from edge to
+//! edge, level by level, so the result depends on the mesh and the observed materials alone.
 //!
-//! Of each triangle no more than a few bits are held; the materials may lie in a mapped file.
+//! A few bits a triangle are held; the materials may lie in a mapped file.
 
 use crate::base::Bits;
+use crate::base::convert::to_f32;
 use crate::base::ids::TriangleId;
 use crate::scene::Material;
 use crate::scene::adjacency::Adjacency;
 use crate::scene::evidence::Filled;
 
-/// Where the material of every triangle comes from.
+/// The source of every triangle's material.
 #[derive(Debug)]
-pub struct Sources {
+pub(crate) struct Sources {
     observed: Bits,
-    /// Those, and what was filled from neighbours.
+    /// The observed triangles and those filled from neighbours.
     known: Bits,
     /// Whether anything was observed.
     any: bool,
 }
 
 /// Bytes of memory that filling holds for this many triangles.
-pub fn bytes(triangles: u64) -> u64 {
+pub(crate) fn bytes(triangles: u64) -> u64 {
     4 * Bits::bytes(triangles)
 }
 
-/// Fills every material of a triangle that was not observed. It takes the mean of its neighbours one level nearer to what
-/// was observed; what hangs together with nothing observed takes the mean of all observed triangles. Without any observation
-/// nothing changes.
-pub fn fill(adjacency: &Adjacency, materials: &mut [[f32; Material::LEN]], observed: Bits) -> Sources {
+/// Fills the materials of all triangles that were not observed. Such a triangle takes the mean of its neighbours that are one
+/// level nearer to an observed triangle; where edges lead to no observed triangle, it takes the mean of all observed ones.
+/// Where nothing was observed, nothing changes.
+pub(crate) fn fill(adjacency: &Adjacency, materials: &mut [[f32; Material::LEN]], observed: Bits) -> Sources {
     let mut known = observed.clone();
     let any = !observed.is_empty();
     if !any {
@@ -40,23 +41,23 @@ pub fn fill(adjacency: &Adjacency, materials: &mut [[f32; Material::LEN]], obser
         next.clear();
         let near = level.iter().flat_map(|t| adjacency.neighbours(t)).filter(|&&t| !known.contains(t));
         near.for_each(|&t| next.insert(t));
-        // All of a level are computed from the levels before it, then become known together.
+        // A level is computed from the levels before it alone.
         for t in next.iter() {
             let near = adjacency.neighbours(t).iter().copied().filter(|&n| known.contains(n));
-            materials[t as usize] = mean_of(near, materials);
+            materials[t.index()] = mean_of(near, materials);
         }
         known.union(&next);
         std::mem::swap(&mut level, &mut next);
     }
-    for t in (0..materials.len()).filter(|&t| !known.contains(t as TriangleId)) {
-        materials[t] = mean;
+    for t in TriangleId::all(materials.len()).filter(|&t| !known.contains(t)) {
+        materials[t.index()] = mean;
     }
     Sources { observed, known, any }
 }
 
 impl Sources {
-    /// Where a triangle's material comes from.
-    pub fn of(&self, t: TriangleId) -> Filled {
+    /// The source of a triangle's material.
+    pub(crate) fn of(&self, t: TriangleId) -> Filled {
         match (self.observed.contains(t), self.known.contains(t)) {
             (true, _) => Filled::Observed,
             (false, true) => Filled::Neighbours,
@@ -69,10 +70,10 @@ impl Sources {
 fn mean_of(triangles: impl Iterator<Item = TriangleId>, materials: &[[f32; Material::LEN]]) -> [f32; Material::LEN] {
     let (mut sum, mut count) = ([0f64; Material::LEN], 0u32);
     for t in triangles {
-        sum.iter_mut().zip(materials[t as usize]).for_each(|(s, v)| *s += f64::from(v));
+        sum.iter_mut().zip(materials[t.index()]).for_each(|(s, v)| *s += f64::from(v));
         count += 1;
     }
-    sum.map(|s| (s / f64::from(count)) as f32)
+    sum.map(|s| to_f32(s / f64::from(count)))
 }
 
 #[cfg(test)]
@@ -96,10 +97,10 @@ mod tests {
         let mut observed = Bits::new(materials.len());
         for &(t, value) in seen {
             materials[t] = [value; 7];
-            observed.insert(t as TriangleId);
+            observed.insert(TriangleId::at(t));
         }
         let sources = fill(&Adjacency::of(&strip(n)), &mut materials, observed);
-        (materials.iter().map(|m| m[0]).collect(), (0..=n).map(|t| sources.of(t)).collect())
+        (materials.iter().map(|m| m[0]).collect(), (0..=n).map(|t| sources.of(TriangleId(t))).collect())
     }
 
     #[test]

@@ -1,23 +1,23 @@
-//! Frames: which are cast, in which order, and with how much memory each.
+//! Frames: hands on the frames to be cast, in order, each with the memory that it takes.
 //!
-//! A frame sets out only with the memory that reading it takes, which its file's header tells. Frames are served in
-//! order, and one that has set out needs no more, nor does what the stages after it hold depend on it. So as long as
-//! none is lent more than there is when no other is under way, all come through.
+//! A frame's file says in its header how much memory reading takes. The frame is handed on once that much is free, and needs
+//! no more later; nor do the stages after it hold anything that depends on it. So every frame comes through whose memory is
+//! there while no other frame is under way.
 
 use super::decode::{Decode, Lent, skipped};
-use super::gather::Group;
+use super::gather::GroupFrames;
 use crate::base::Result;
 use crate::base::units::Bytes;
-use crate::codec::image::Need;
+use crate::codec::images::Need;
 use crate::flow::{Budget, Outlet, Source};
 
 /// Produces the frames of groups, group after group.
-pub struct Frames<'a> {
-    /// The groups that are still to be done.
-    pub groups: &'a [Group],
-    /// What will read them.
+pub(crate) struct Frames<'a> {
+    /// The groups to be cast.
+    pub groups: &'a [GroupFrames],
+    /// The reader of the frames.
     pub decode: Decode<'a>,
-    /// What their memory is lent from.
+    /// The budget that lends the frames their memory.
     pub budget: &'a Budget,
     /// Bytes that all frames under way may hold together.
     pub memory: u64,
@@ -32,7 +32,7 @@ impl Source for Frames<'_> {
 
     fn run(self, out: &mut Outlet<'_, Lent>) -> Result<()> {
         for &frame in self.groups.iter().flat_map(|g| &g.frames) {
-            let posed = &self.decode.frames[frame as usize];
+            let posed = &self.decode.frames[frame.index()];
             let need = self.decode.need(posed).map_err(|why| why.to_string());
             let memory = match need.and_then(|need| within(need, self.memory, self.budget.total())) {
                 Ok(bytes) => Ok(self.budget.reserve("frames", bytes)?),
@@ -44,13 +44,13 @@ impl Source for Frames<'_> {
     }
 }
 
-/// The bytes to lend, or why they are more than there will ever be.
+/// The bytes to lend, or why there will never be that many.
 fn within(need: Need, memory: u64, limit: u64) -> Result<u64, String> {
     let [needs, has, limit] = [need.peak, memory, limit].map(Bytes);
     let why = || {
         format!(
-            "reading it takes {needs} of memory, and [run] memory = \"{limit}\" leaves {has} for it: give it more, or \
-             make the images smaller and say so by [decode] downscale"
+            "reading it takes {needs} of memory, and [run] memory = \"{limit}\" leaves {has} for it: raise the limit, or \
+             make the images smaller and set [decode] downscale"
         )
     };
     (need.peak <= memory).then_some(need.peak).ok_or_else(why)
@@ -64,6 +64,6 @@ mod tests {
     fn a_frame_that_could_never_be_read_says_what_it_takes() {
         let need = Need { peak: 3 << 30, held: 1 << 30 };
         assert_eq!(within(need, 3 << 30, 4 << 30), Ok(3 << 30));
-        insta::assert_snapshot!(within(need, 1 << 30, 2 << 30).unwrap_err(), @r#"reading it takes 3 GiB of memory, and [run] memory = "2 GiB" leaves 1 GiB for it: give it more, or make the images smaller and say so by [decode] downscale"#);
+        insta::assert_snapshot!(within(need, 1 << 30, 2 << 30).unwrap_err(), @r#"reading it takes 3 GiB of memory, and [run] memory = "2 GiB" leaves 1 GiB for it: raise the limit, or make the images smaller and set [decode] downscale"#);
     }
 }

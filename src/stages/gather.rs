@@ -4,152 +4,138 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use super::Commit;
 use super::cast::Seen;
-use super::{Choice, Fault};
 use crate::base::ids::FrameId;
 use crate::base::{Error, Result};
-use crate::disk::{Draft, FileEntry, Manifest, Recipe, Store};
+use crate::config::{Effect, Former, Key, Keys, Now, Section, Settings, Value};
+use crate::disk::{Draft, FileEntry, Recipe, Store};
 use crate::flow::{End, Fold, Meter, Reservation, Skipped};
 use crate::shard::format::Entry;
-use crate::shard::{Blocks, GroupRows, Segment, compact};
+use crate::shard::{Blocks, GroupRecords, Segment, compact};
 
 /// Section `[gather]`.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Config {
-    /// What is done with observations that lie in a cast shadow.
-    pub shadow: Shadow,
-    /// Frames a segment, 1 to 1,024: what a resume may have to redo, and what is held in memory before it is written.
+    /// Frames in a group, 1 to 1,024: a resume may have to redo so many, and so many are held before they are written.
     pub group: u32,
 }
 
-/// What is done with observations that lie in a cast shadow.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Shadow {
-    /// They are kept like all others.
-    Keep,
-}
+impl Section for Config {
+    const NAME: &'static str = "gather";
+    const ABOUT: &'static str = "How observations become segments on disk.";
+    const KEYS: &'static [Key] = &[Key {
+        name: "group",
+        doc: "Frames in a group, 1 to 1024. A larger group takes more memory and less disk, and more is lost when a run is \
+              killed.",
+        value: Value::Default("8"),
+    }];
+    const FORMER: &'static [Former] =
+        &[Former { name: "shadow", now: Now::Gone("observations in cast shadows count like all others") }];
 
-impl Choice for Shadow {
-    const NAMES: &'static [(&'static str, Self)] = &[("keep", Shadow::Keep)];
-}
+    fn read(keys: &Keys<'_>) -> Self {
+        Config { group: keys.within("group", 1..=1024) }
+    }
 
-impl Default for Config {
-    fn default() -> Self {
-        Config { shadow: Shadow::Keep, group: 8 }
+    fn settings(&self) -> Settings {
+        let Config { group } = self;
+        Settings::of(Self::NAME).with("group", group, Effect::Nothing)
     }
 }
 
-impl Config {
-    /// What is wrong with it.
-    pub fn check(&self) -> Vec<Fault> {
-        Fault::unless_within("group", self.group, 1..=1024).into_iter().collect()
-    }
-}
-
-/// Frames whose observations become one unit of work: its segments and its record.
+/// Frames whose observations become one unit: segment, list of blocks, tally.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Group {
-    /// All that the unit is made of.
+pub(crate) struct GroupFrames {
+    /// All that the unit's bytes depend on.
     pub recipe: Recipe,
     /// The frames, ascending.
     pub frames: Vec<FrameId>,
 }
 
-impl Group {
-    fn file(&self, ending: &str) -> String {
-        format!("{SEGMENTS}{}{ending}", self.recipe.unit())
-    }
-}
-
 /// Bytes that gathering takes at least where frames come in parts of this many bytes.
-pub fn least(part: u64) -> u64 {
-    GroupRows::most(part)
+pub(crate) fn least(part: u64) -> u64 {
+    GroupRecords::most(part)
 }
-
-/// The kind of the map side's units.
-pub const FRAMES: &str = "frames";
 
 /// The folder of segments in a run's store.
-pub const SEGMENTS: &str = "segments/";
+pub(crate) const SEGMENTS: &str = "segments/";
 
-/// What a unit says of itself beside its segments, as JSON.
+/// The tally of a group: what was counted while it was cast. Written as JSON.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Record {
+pub(crate) struct Tally {
     /// Frames in the group.
     pub frames: u64,
     /// Rays cast.
     pub rays: u64,
     /// Front-facing pixels that saw a triangle.
     pub observations: u64,
-    /// Records in its segments.
+    /// Records in the group's segment.
     pub records: u64,
     /// Frames that were skipped.
-    pub skipped: Vec<SkippedFrame>,
+    pub skipped: Vec<Skipped>,
 }
 
-/// A frame that was skipped.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct SkippedFrame {
-    /// Its name.
-    pub frame: String,
-    /// What was wrong with it.
-    pub why: String,
-    /// The command that tries it alone.
-    pub replay: String,
-}
-
-impl From<Skipped> for SkippedFrame {
-    fn from(s: Skipped) -> Self {
-        SkippedFrame { frame: s.item, why: s.why, replay: s.replay }
-    }
-}
-
-/// The endings of a unit's files.
-pub const SEGMENT: &str = ".seg";
+/// The ending of a group's segment.
+pub(crate) const SEGMENT: &str = ".seg";
 const BLOCKS: &str = ".blocks";
-const RECORD: &str = ".json";
+const TALLY: &str = ".json";
 
-/// Reads the record among a unit's files.
-pub fn read_record(store: &dyn Store, files: &[FileEntry]) -> Result<Record> {
-    let named = files.iter().find(|f| f.name.ends_with(RECORD));
-    let file = named.ok_or_else(|| Error::invalid("a unit of the manifest has no record"))?;
+/// Reads the tally among a unit's files.
+///
+/// # Errors
+/// No such file, or one that changed since it was written.
+pub(crate) fn read_tally(store: &dyn Store, files: &[FileEntry]) -> Result<Tally> {
+    let named = files.iter().find(|f| f.name.ends_with(TALLY));
+    let file = named.ok_or_else(|| Error::invalid("a group that is done has no tally"))?;
     let content = file.verify(store)?;
     serde_json::from_slice(&content).map_err(|why| Error::malformed(store.path(&file.name), why.to_string()))
 }
 
-/// Opens the list of the blocks among a unit's files.
-pub fn open_blocks(store: &dyn Store, files: &[FileEntry]) -> Result<Blocks> {
+/// Opens the list of blocks among a unit's files.
+///
+/// # Errors
+/// No such file, or one that changed since it was written.
+pub(crate) fn open_blocks(store: &dyn Store, files: &[FileEntry]) -> Result<Blocks> {
     let named = files.iter().find(|f| f.name.ends_with(BLOCKS));
-    let file = named.ok_or_else(|| Error::invalid("a unit of the manifest has no list of its blocks"))?;
+    let file = named.ok_or_else(|| Error::invalid("a group that is done has no list of its blocks"))?;
     Blocks::open(store, &file.name)
 }
 
-/// Sums the rows of a group's frames and commits them as the group's unit. When memory is short it writes what it has as
-/// a segment and goes on; in the end they become one, the same that would have been written with memory to spare.
-pub struct Gather<'a> {
-    groups: &'a [Group],
+/// Sums the records of a group's frames and commits them as the group's unit. When memory is short it writes the records so far
+/// as a segment and goes on; in the end those segments become one, the same that it writes with memory to spare.
+pub(crate) struct Gather<'a> {
+    groups: &'a [GroupFrames],
     store: Arc<dyn Store>,
-    manifest: &'a mut Manifest,
     memory: Reservation,
-    /// Which group is being gathered, and how many of its frames have come.
+    commit: &'a Commit<'a>,
+    /// The group that is being gathered, by its place among the groups.
     at: usize,
+    /// The frames of that group that have come.
     taken: usize,
-    rows: GroupRows,
+    rows: GroupRecords,
     /// The group's segments so far, each with its index, and how many were ever written.
     segments: Vec<(FileEntry, Vec<Entry>)>,
     written: usize,
-    record: Record,
+    tally: Tally,
 }
 
 impl<'a> Gather<'a> {
-    /// Gathers these groups, whose frames come in this order, within this memory. It must hold the largest part of a
-    /// frame that comes, with what writing it takes: [`least`].
-    pub fn new(groups: &'a [Group], store: Arc<dyn Store>, manifest: &'a mut Manifest, memory: Reservation) -> Self {
-        let (rows, segments, record) = Default::default();
-        Gather { groups, store, manifest, memory, at: 0, taken: 0, rows, segments, written: 0, record }
+    /// Gathers these groups, whose frames come in this order, within this memory, and hands each on to `commit`. The memory must
+    /// hold the largest piece of a frame that comes, with what writing it takes: [`least`].
+    pub(crate) fn new(
+        groups: &'a [GroupFrames],
+        store: Arc<dyn Store>,
+        memory: Reservation,
+        commit: &'a Commit<'a>,
+    ) -> Self {
+        let (rows, segments, tally) = Default::default();
+        Gather { groups, store, memory, commit, at: 0, taken: 0, rows, segments, written: 0, tally }
+    }
+
+    /// The name of a file of the group, which no other attempt at the group has.
+    fn file(&self, ending: &str) -> String {
+        format!("{SEGMENTS}{}.{}{ending}", self.groups[self.at].recipe.unit(), self.store.attempt())
     }
 
     /// Writes what was gathered as a further segment of the group.
@@ -174,7 +160,7 @@ impl<'a> Gather<'a> {
             let opened: Vec<_> = parts.iter().map(open).collect::<Result<_>>()?;
             let draft = self.draft()?;
             let path = draft.path().to_owned();
-            let (draft, index) = compact::merge(&opened, draft, |why| Error::io("write", &path)(why))?;
+            let (draft, index) = compact::join(&opened, draft, |why| Error::io("write", &path)(why))?;
             self.keep(draft, index, meter)?;
             drop(opened);
             parts.iter().try_for_each(|file| self.store.remove(&file.name))?;
@@ -184,7 +170,7 @@ impl<'a> Gather<'a> {
     /// Begins a segment of the group.
     fn draft(&mut self) -> Result<Draft> {
         self.written += 1;
-        self.store.create(&self.groups[self.at].file(&format!("-{}{SEGMENT}", self.written)))
+        self.store.create(&self.file(&format!("-{}{SEGMENT}", self.written)))
     }
 
     fn keep(&mut self, draft: Draft, index: Vec<Entry>, meter: &Meter) -> Result<()> {
@@ -194,22 +180,22 @@ impl<'a> Gather<'a> {
         Ok(())
     }
 
-    /// Ends the group: segment, list of blocks, record, and last the manifest.
-    fn commit(&mut self, meter: &Meter) -> Result<()> {
+    /// Ends the group: segment, list of blocks, tally, and last the unit.
+    fn end(&mut self, meter: &Meter) -> Result<()> {
         self.spill(meter)?;
         self.compact(meter)?;
         let group = &self.groups[self.at];
         let (mut files, indices): (Vec<_>, Vec<_>) = std::mem::take(&mut self.segments).into_iter().unzip();
         let blocks = indices.concat();
-        files.push(Blocks::write(&*self.store, &group.file(BLOCKS), &blocks)?);
-        self.record.frames = group.frames.len() as u64;
-        self.record.records = blocks.iter().map(|block| u64::from(block.records)).sum();
-        let mut draft = self.store.create(&group.file(RECORD))?;
+        files.push(Blocks::write(&*self.store, &self.file(BLOCKS), &blocks)?);
+        let mut tally = std::mem::take(&mut self.tally);
+        tally.frames = group.frames.len() as u64;
+        tally.records = blocks.iter().map(|block| u64::from(block.records)).sum();
+        let mut draft = self.store.create(&self.file(TALLY))?;
         let path = draft.path().to_owned();
-        let record = std::mem::take(&mut self.record);
-        serde_json::to_writer(&mut draft, &record).map_err(|e| Error::io("write", path)(e.into()))?;
+        serde_json::to_writer(&mut draft, &tally).map_err(|e| Error::io("write", path)(e.into()))?;
         files.push(draft.commit()?);
-        self.manifest.commit([(group.recipe.clone(), files)])?;
+        (self.commit)(&group.recipe, files)?;
         (self.at, self.taken, self.written) = (self.at + 1, 0, 0);
         Ok(())
     }
@@ -220,8 +206,8 @@ impl Fold for Gather<'_> {
     type Out = ();
 
     fn take(&mut self, seen: Seen, meter: &Meter) -> Result<()> {
-        self.record.rays += seen.rays;
-        self.record.observations += seen.observations;
+        self.tally.rays += seen.rays;
+        self.tally.observations += seen.observations;
         match seen.rows {
             Ok(rows) => {
                 if !self.rows.is_empty() && self.rows.bytes_with(&rows) > self.memory.bytes() {
@@ -229,112 +215,123 @@ impl Fold for Gather<'_> {
                 }
                 self.rows.add(rows, seen.more);
             }
-            Err(skipped) => self.record.skipped.push(skipped.into()),
+            Err(skipped) => self.tally.skipped.push(skipped),
         }
         if seen.more {
             return Ok(());
         }
         self.taken += 1;
-        if self.taken == self.groups[self.at].frames.len() { self.commit(meter) } else { Ok(()) }
+        if self.taken == self.groups[self.at].frames.len() { self.end(meter) } else { Ok(()) }
     }
 
     fn finish(self, _: End, _: &Meter) -> Result<()> {
-        // A group that a drain cut short is done again: its spilled segments are in no manifest.
+        // A group that a drain cut short is done again: no unit record names its spilled segments.
         Ok(())
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use std::path::Path;
+
     use super::*;
+    use crate::base::PhaseName;
+    use crate::base::ids::{ShardId, TriangleId};
+    use crate::base::units::Bytes;
+    use crate::config::read_text;
+    use crate::disk::{Ledger, MemStore};
+    use crate::flow::{Budget, StopSignal};
+    use crate::scene::reflectance::BinSum;
+    use crate::shard::{Accumulator, Segment, ShardMaps, collect_shard};
 
     #[test]
     fn groups_are_bounded() {
-        for (group, faults) in [(0, 1), (1, 0), (1024, 0), (1025, 1)] {
-            assert_eq!(Config { group, ..Config::default() }.check().len(), faults, "{group}");
+        for (group, problems) in [(0, 1), (1, 0), (1024, 0), (1025, 1)] {
+            assert_eq!(read_text::<Config>(&format!("group = {group}")).1.len(), problems, "{group}");
         }
     }
 
-    use crate::base::units::Bytes;
-    use crate::disk::MemStore;
-    use crate::flow::{Budget, StopSignal};
-    use crate::scene::reflectance::BinSum;
-    use crate::shard::{Accumulator, Segment, ShardMaps, merge_shard};
-    use std::path::Path;
-
-    fn seen(frame: FrameId, triangles: std::ops::Range<u32>) -> Seen {
+    fn seen(frame: u32, triangles: std::ops::Range<u32>) -> Seen {
         let mut rows = Accumulator::new(1 << 30);
-        triangles.for_each(|t| rows.observe(t, (t + frame) as u16 % 50, BinSum::one([0.25; 3], false)));
-        Seen { frame, rows: Ok(rows.finish()), more: false, rays: 1000, observations: 300 }
+        triangles.for_each(|t| rows.observe(TriangleId(t), (t + frame) as u16 % 50, BinSum::one([0.25; 3], false)));
+        Seen { rows: Ok(rows.finish()), more: false, rays: 1000, observations: 300 }
     }
 
-    fn group(frames: &[FrameId]) -> Group {
-        Group { recipe: Recipe::new(FRAMES).with("first", frames[0]), frames: frames.to_vec() }
+    fn group(frames: [u32; 2]) -> GroupFrames {
+        GroupFrames {
+            recipe: Recipe::new(PhaseName::Cast, frames[0].to_string()),
+            frames: frames.map(FrameId).to_vec(),
+        }
     }
 
-    /// Gathers two groups and gives the store, the manifest and the records.
-    fn gather(memory: u64, last: Option<Seen>) -> Result<(Arc<dyn Store>, Manifest)> {
+    /// Gathers two groups and gives the store and the ledger.
+    fn gather(memory: u64, last: Option<Seen>) -> Result<(Arc<dyn Store>, Ledger)> {
         let store: Arc<dyn Store> = Arc::new(MemStore::new());
-        let (mut manifest, _) = Manifest::open(Arc::clone(&store), &[SEGMENTS])?;
-        let groups = [group(&[0, 1]), group(&[2, 3])];
+        let (ledger, _) = Ledger::open(Arc::clone(&store))?;
+        let groups = [group([0, 1]), group([2, 3])];
         let budget = Budget::new(Bytes(memory), &StopSignal::new());
         let memory = budget.reserve("gather", memory)?;
         let meter = Meter::new("gather", 1, 1, None);
-        let mut fold = Gather::new(&groups, Arc::clone(&store), &mut manifest, memory);
+        let commit = |recipe: &Recipe, files| ledger.commit(recipe, files).map(drop);
+        let mut fold = Gather::new(&groups, Arc::clone(&store), memory, &commit);
         for id in 0..3 {
             fold.take(seen(id, 0..300), &meter)?;
         }
         last.map_or(Ok(()), |last| fold.take(last, &meter))?;
         fold.finish(End::Complete, &meter)?;
         assert_eq!(budget.used(), 0);
-        Ok((store, manifest))
+        Ok((store, ledger))
     }
 
-    fn maps(store: &dyn Store, manifest: &Manifest) -> (usize, ShardMaps) {
-        let files = manifest.units().values().flat_map(|unit| &unit.files).filter(|f| f.name.ends_with(SEGMENT));
+    fn files(ledger: &Ledger, ending: &str) -> Vec<FileEntry> {
+        let units = ledger.of_phase(PhaseName::Cast);
+        let mut files: Vec<FileEntry> = units
+            .iter()
+            .flat_map(|unit| ledger.files(unit).unwrap().to_vec())
+            .filter(|f| f.name.ends_with(ending))
+            .collect();
+        files.sort_by(|a, b| a.name.cmp(&b.name));
+        files
+    }
+
+    fn maps(store: &dyn Store, ledger: &Ledger) -> (usize, ShardMaps) {
+        let files = files(ledger, SEGMENT);
         let segments: Vec<_> =
-            files.map(|f| Segment::open(store.open(&f.name).unwrap(), Path::new(&f.name)).unwrap()).collect();
-        (segments.len(), merge_shard(&segments, 0).unwrap())
+            files.iter().map(|f| Segment::open(store.open(&f.name).unwrap(), Path::new(&f.name)).unwrap()).collect();
+        (segments.len(), collect_shard(&segments, ShardId(0)).unwrap())
     }
 
     #[test]
     fn short_of_memory_it_writes_more_segments_and_in_the_end_the_same() {
-        let (store, manifest) = gather(1 << 30, Some(seen(3, 0..300))).unwrap();
-        let (segments, expected) = maps(&*store, &manifest);
+        let (store, ledger) = gather(1 << 30, Some(seen(3, 0..300))).unwrap();
+        let (segments, expected) = maps(&*store, &ledger);
         assert_eq!(segments, 2);
-        assert_eq!(expected.triangles[7].1, 4, "four frames saw triangle 7");
-        let bytes = |store: &dyn Store, manifest: &Manifest| -> Vec<Vec<u8>> {
-            let files = manifest.units().values().flat_map(|unit| &unit.files);
-            let of = |ending: &str| -> Vec<Vec<u8>> {
-                files
-                    .clone()
-                    .filter(|f| f.name.ends_with(ending))
-                    .map(|f| store.open(&f.name).unwrap().to_vec())
-                    .collect()
-            };
-            [of(SEGMENT), of(BLOCKS), of(RECORD)].concat()
+        assert_eq!(expected.triangles[7].frames, 4, "four frames saw triangle 7");
+        let bytes = |store: &dyn Store, ledger: &Ledger| -> Vec<Vec<u8>> {
+            let all = [SEGMENT, BLOCKS, TALLY].map(|ending| files(ledger, ending)).concat();
+            all.iter().map(|f| store.open(&f.name).unwrap().to_vec()).collect()
         };
-        let whole = bytes(&*store, &manifest);
+        let whole = bytes(&*store, &ledger);
         let frame = seen(0, 0..300).rows.unwrap().bytes();
-        let (store, manifest) = gather(least(frame), Some(seen(3, 0..300))).unwrap();
-        assert_eq!(maps(&*store, &manifest), (2, expected));
-        assert!(bytes(&*store, &manifest) == whole);
+        let (store, ledger) = gather(least(frame), Some(seen(3, 0..300))).unwrap();
+        assert_eq!(maps(&*store, &ledger), (2, expected));
+        assert!(bytes(&*store, &ledger) == whole);
         assert_eq!(store.list("segments").unwrap().len(), 6, "what was merged is gone");
     }
 
     #[test]
-    fn a_skipped_frame_is_in_the_record_of_its_group() {
+    fn a_skipped_frame_is_in_the_tally_of_its_group() {
         let why = Skipped { item: "d.jpg".into(), why: "torn".into(), replay: "gonio".into() };
-        let last = Seen { frame: 3, rows: Err(why.clone()), more: false, rays: 0, observations: 0 };
-        let (store, manifest) = gather(1 << 30, Some(last)).unwrap();
-        let record = read_record(&*store, manifest.files(&group(&[2, 3]).recipe.unit()).unwrap()).unwrap();
-        assert_eq!((record.frames, record.rays, record.records), (2, 1000, 300));
-        assert_eq!(record.skipped, [SkippedFrame::from(why)]);
+        let last = Seen { rows: Err(why.clone()), more: false, rays: 0, observations: 0 };
+        let (store, ledger) = gather(1 << 30, Some(last)).unwrap();
+        let tally = read_tally(&*store, &ledger.files(&group([2, 3]).recipe.unit()).unwrap()).unwrap();
+        assert_eq!((tally.frames, tally.rays, tally.records), (2, 1000, 300));
+        assert_eq!(tally.skipped, [why]);
     }
 
     #[test]
     fn a_group_cut_short_is_not_committed() {
-        let (_, manifest) = gather(1 << 30, None).unwrap();
-        assert_eq!(manifest.units().keys().collect::<Vec<_>>(), [&group(&[0, 1]).recipe.unit()]);
+        let (_, ledger) = gather(1 << 30, None).unwrap();
+        assert_eq!(ledger.of_phase(PhaseName::Cast), [group([0, 1]).recipe.unit()]);
     }
 }

@@ -2,68 +2,63 @@
 
 use std::path::{Path, PathBuf};
 
-use serde::Serialize;
-
-use super::light::SceneLight;
+use super::light::{self, SceneLight};
 use super::shards::Inferred;
-use super::{Choice, Fault};
 use crate::base::Result;
+use crate::config::{Choice, Effect, Key, Keys, Leads, Problem, Section, Settings, Value};
 use crate::flow::{Map, Outlet, Reservation};
 use crate::model::{BUILT_IN, Backend, Estimate, Estimator, ModelSource, Session};
 use crate::scene::Material;
 use crate::scene::evidence::{Evidence, Filled};
 use crate::scene::light::LocalLight;
-use crate::scene::reflectance::SparseMap;
-use crate::shard::rows::Row;
-use crate::shard::{ShardMaps, ShardRows};
+use crate::scene::reflectance::{FRONT_BINS, SparseMap};
+use crate::shard::{Row, ShardMaps, ShardRows, TriangleMap};
 
 /// Section `[infer]`.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Config {
     /// What turns a map into a material.
-    pub estimator: Kind,
+    pub estimator: Method,
     /// The network.
     pub model: Model,
-    /// What runs it.
+    /// The engine that runs the network.
     pub backend: Backend,
     /// The ONNX Runtime library to load, in place of `ORT_DYLIB_PATH` and the loader's own path.
     pub library: Option<PathBuf>,
-    /// Maps that the estimator is given at once, 1 to 4,096: it takes those of like size together. The result does not
-    /// depend on it.
+    /// Maps that the estimator is given at once, 1 to 4,096: it takes maps of like size together. The result does not depend
+    /// on it.
     pub batch: u32,
+    /// Bins that a triangle's map must have filled for its material to count, 1 to 3,600.
+    pub min_bins: usize,
 }
 
 /// What turns a map into a material.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Kind {
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Method {
     /// The network.
-    #[default]
     Network,
     /// Least squares in the known light.
     Fit,
-    /// The same from what the network says.
-    #[serde(rename = "network+fit")]
+    /// Least squares that start from the network's answer.
     NetworkAndFit,
 }
 
-impl Kind {
-    /// Whether it asks a network.
+impl Method {
+    /// Whether the method asks a network.
     pub fn has_network(self) -> bool {
-        self != Kind::Fit
+        self != Method::Fit
     }
 }
 
-impl Choice for Kind {
+impl Choice for Method {
     const NAMES: &'static [(&'static str, Self)] =
-        &[("network", Kind::Network), ("fit", Kind::Fit), ("network+fit", Kind::NetworkAndFit)];
+        &[("network", Method::Network), ("fit", Method::Fit), ("network+fit", Method::NetworkAndFit)];
 }
 
 /// The network that infers.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Model {
-    /// One that gonio brings along, by name; one of [`BUILT_IN`].
+    /// One of [`BUILT_IN`], by name.
     BuiltIn(String),
     /// An ONNX file that keeps the model contract.
     File(PathBuf),
@@ -74,68 +69,130 @@ impl Choice for Backend {
 }
 
 impl Model {
-    /// The network that is shipped inside gonio and used unless another is named.
+    /// The network that is used unless another is named.
     pub fn built_in() -> Model {
         Model::BuiltIn(BUILT_IN[0].name.to_owned())
     }
 
-    /// Where its bytes come from.
+    /// The source of the network's bytes.
     pub fn source(&self) -> ModelSource {
         match self {
             Model::BuiltIn(name) => ModelSource::named(name, Path::new("")),
             Model::File(path) => ModelSource::File(path.clone()),
         }
     }
+
+    fn read(keys: &Keys<'_>) -> Model {
+        let name: String = keys.value("model");
+        if name.to_ascii_lowercase().ends_with(".onnx") {
+            let leads = Leads::to_file("name an ONNX file, or a model that gonio brings along");
+            return keys.optional_path("model", leads).map_or_else(Model::built_in, Model::File);
+        }
+        let known: Vec<&str> = BUILT_IN.iter().map(|model| model.name).collect();
+        let rule = format!("must be a file that ends in .onnx, or one of {}", known.join(", "));
+        keys.check("model", known.contains(&name.as_str()), rule);
+        Model::BuiltIn(name)
+    }
+
+    fn name(&self) -> &Path {
+        match self {
+            Model::BuiltIn(name) => Path::new(name),
+            Model::File(path) => path,
+        }
+    }
 }
 
-impl Default for Config {
-    fn default() -> Self {
+impl Section for Config {
+    const NAME: &'static str = "infer";
+    const ABOUT: &'static str = "How reflectance maps become materials.";
+    const KEYS: &'static [Key] = &[
+        Key {
+            name: "estimator",
+            doc: "What turns a reflectance map into a material: \"network\"; or, where the light is known (see [light]), \
+                  \"fit\", or \"network+fit\", which starts from the network's answer.",
+            value: Value::Default("\"network\""),
+        },
+        Key {
+            name: "model",
+            doc: "The network: \"gonio-lobe-small\", which gonio brings along, or an ONNX file that keeps the model contract.",
+            value: Value::Default("\"gonio-lobe-small\""),
+        },
+        Key {
+            name: "backend",
+            doc: "The engine that runs the network: \"embedded\", which needs nothing installed; \"onnxruntime\", a faster \
+                  library that you install; \"auto\" takes the library where there is one.",
+            value: Value::Default("\"auto\""),
+        },
+        Key {
+            name: "library",
+            doc: "The ONNX Runtime library, where it is not on the loader's path nor in ORT_DYLIB_PATH.",
+            value: Value::Optional("\"/usr/lib/libonnxruntime.so\""),
+        },
+        Key {
+            name: "batch",
+            doc: "Maps that the network is given at once, 1 to 4096. Fewer are slower; the result is the same.",
+            value: Value::Default("4096"),
+        },
+        Key {
+            name: "min_bins",
+            doc: "Bins that a triangle's reflectance map must have filled, 1 to 3600. A triangle with fewer counts as not seen.",
+            value: Value::Default("1"),
+        },
+    ];
+
+    fn read(keys: &Keys<'_>) -> Self {
+        let backend = keys.choice("backend");
+        let leads = Leads::to_file("name the library file, as libonnxruntime.so, or take the key out");
+        let library = keys.optional_path("library", leads);
+        let idle = Problem::new("has no meaning where backend = \"embedded\"");
+        let hint = "take it out, or set backend = \"onnxruntime\"";
+        keys.check("library", library.is_none() || backend != Backend::Embedded, idle.hint(hint));
         Config {
-            estimator: Kind::Network,
-            model: Model::built_in(),
-            backend: Backend::Auto,
-            library: None,
-            batch: 4096,
+            estimator: keys.choice("estimator"),
+            model: Model::read(keys),
+            backend,
+            library,
+            batch: keys.within("batch", 1..=4096),
+            min_bins: keys.within("min_bins", 1..=FRONT_BINS),
         }
+    }
+
+    fn settings(&self) -> Settings {
+        let Config { estimator, model, backend, library, batch, min_bins } = self;
+        Settings::of(Self::NAME)
+            .with("estimator", estimator.name(), Effect::Infer)
+            .with("model", model.name(), Effect::Input)
+            .with("backend", Choice::name(*backend), Effect::Input)
+            .optional("library", library.as_ref(), Effect::Input)
+            .with("batch", batch, Effect::Nothing)
+            .with("min_bins", min_bins, Effect::Infer)
     }
 }
 
 impl Config {
-    /// What is wrong with it. Whether the model keeps its contract is found out when it is opened.
-    pub fn check(&self) -> Vec<Fault> {
-        let mut faults: Vec<Fault> = Fault::unless_within("batch", self.batch, 1..=4096).into_iter().collect();
-        if let Model::BuiltIn(name) = &self.model
-            && !BUILT_IN.iter().any(|m| m.name == name)
-        {
-            let names: Vec<&str> = BUILT_IN.iter().map(|m| m.name).collect();
-            let rule = format!("must be a file that ends in .onnx, or one of {}", names.join(", "));
-            faults.push(Fault::new("model", rule, format!("{name:?}")));
-        }
-        if self.backend == Backend::Embedded
-            && let Some(library) = &self.library
-        {
-            let rule = "has no meaning where backend = \"embedded\"";
-            let hint = "take it out, or set backend = \"onnxruntime\"";
-            faults.push(Fault::new("library", rule, library.display()).hint(hint));
-        }
-        faults
+    /// Checks that the estimator is told the light if it needs it.
+    pub fn check_light(&self, light: &light::Config, keys: &Keys<'_>) {
+        let problem = Problem::new("needs a known light where it fits").got("an unknown one");
+        let hint = "set [light] mode = \"known\" and its sun, or estimator = \"network\"";
+        let good = self.estimator == Method::Network || light.mode == light::Mode::Known;
+        keys.check("estimator", good, problem.hint(hint));
     }
 }
 
-/// Turns the maps of a shard, or of a part of one, into materials.
-pub struct Infer<'a> {
-    /// The network.
+/// Turns the maps of a shard, or of a slice of it, into materials.
+pub(crate) struct Infer<'a> {
+    /// The estimator.
     pub estimator: &'a dyn Estimator,
-    /// The light of the triangles, for an estimator that wants to know it.
+    /// The light over the scene, for an estimator that is told it.
     pub light: Option<SceneLight<'a>>,
     /// Filled bins that a triangle needs for a material of its own.
     pub min_bins: usize,
-    /// Maps that the estimator is given at once: the more, the fuller its micro-batches.
+    /// Maps that the estimator is given at once. The more maps, the fuller its micro-batches.
     pub batch: usize,
 }
 
-/// What a worker keeps from shard to shard.
-pub struct Scratch {
+/// A worker's session, kept from shard to shard.
+pub(crate) struct Scratch {
     session: Box<dyn Session>,
     answers: Vec<Estimate>,
 }
@@ -157,27 +214,28 @@ impl Map for Infer<'_> {
     ) -> Result<()> {
         let enough = |map: &SparseMap| map.bins.len() >= self.min_bins.max(1);
         let mut rows: Vec<Row> = Vec::with_capacity(shard.triangles.len());
-        for (triangle, frames, map) in &shard.triangles {
+        for TriangleMap { triangle, frames, map } in &shard.triangles {
             let filled = if enough(map) { Filled::Observed } else { Filled::Nothing };
-            rows.push((*triangle, [f32::NAN; Material::LEN], Evidence { filled, ..Evidence::of(map, *frames) }));
+            let evidence = Evidence { filled, ..Evidence::of(map, *frames) };
+            rows.push(Row { triangle: *triangle, material: [f32::NAN; Material::LEN], evidence });
         }
         let asked: Vec<(usize, &SparseMap)> =
-            shard.triangles.iter().map(|t| &t.2).enumerate().filter(|(_, map)| enough(map)).collect();
+            shard.triangles.iter().map(|t| &t.map).enumerate().filter(|(_, map)| enough(map)).collect();
         for batch in asked.chunks(self.batch.max(1)) {
             let maps: Vec<&SparseMap> = batch.iter().map(|(_, map)| *map).collect();
             scratch.answers.resize(maps.len(), Estimate::default());
             let local = |light: &SceneLight<'_>| -> Vec<LocalLight> {
-                batch.iter().map(|(slot, _)| light.local(rows[*slot].0)).collect()
+                batch.iter().map(|(slot, _)| light.local(rows[*slot].triangle)).collect()
             };
             let lights = self.light.as_ref().map(local);
             scratch.session.estimate(&maps, lights.as_deref(), &mut scratch.answers)?;
             for ((slot, _), answer) in batch.iter().zip(&scratch.answers) {
-                let (_, material, evidence) = &mut rows[*slot];
+                let Row { material, evidence, .. } = &mut rows[*slot];
                 (*material, evidence.deviation) = (answer.material.to_array(), answer.deviation);
             }
         }
         let (number, more) = (shard.shard, shard.more);
-        // What waits for its turn is the rows alone.
+        // Only the rows wait for their turn.
         drop(asked);
         drop((shard, memory));
         out.send(Inferred { rows: ShardRows { shard: number, rows }, more })
@@ -187,19 +245,28 @@ impl Map for Infer<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::config::{defaults, read_text};
+
+    /// A file that is there.
+    const THERE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/Cargo.toml");
 
     #[test]
-    fn faults_are_found_together() {
-        assert_eq!(Config::default().check(), []);
-        let config = Config {
-            estimator: Kind::Network,
-            model: Model::BuiltIn("gonio-lobe-smal".into()),
-            backend: Backend::Embedded,
-            library: Some("libonnxruntime.so".into()),
-            batch: 0,
+    fn problems_are_found_together() {
+        let fields = |text: &str| -> Vec<String> {
+            read_text::<Config>(text).1.into_iter().map(|problem| problem.field).collect()
         };
-        assert_eq!(config.check().iter().map(|f| f.key).collect::<Vec<_>>(), ["batch", "model", "library"]);
-        let file = Config { model: Model::File("any.onnx".into()), ..Config::default() };
-        assert_eq!(file.check(), []);
+        let text =
+            format!("batch = 0\nmodel = 'gonio-lobe-smal'\nbackend = 'embedded'\nlibrary = '{THERE}'\nmin_bins = 0");
+        assert_eq!(fields(&text), ["infer.batch", "infer.model", "infer.library", "infer.min_bins"]);
+        assert_eq!(fields(&format!("backend = 'auto'\nlibrary = '{THERE}'\nmin_bins = 3600")), [""; 0]);
+        assert_eq!(fields("model = 'nowhere.ONNX'\nmin_bins = 3601"), ["infer.model", "infer.min_bins"]);
+    }
+
+    #[test]
+    fn the_default_model_is_the_built_in_one() {
+        assert_eq!(defaults::<Config>().model, Model::built_in());
+        let file = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/models/conv4.onnx");
+        let (config, problems) = read_text::<Config>(&format!("model = '{file}'"));
+        assert_eq!((config.model, problems), (Model::File(file.into()), vec![]));
     }
 }

@@ -1,33 +1,32 @@
-//! The light of a scene, where it is known, and what of it reaches each triangle.
+//! A known light over a scene, and how much of it reaches each triangle.
 
-use glam::Vec3;
-use serde::Serialize;
+use glam::{DVec3, Vec3};
 
-use super::{Choice, Fault};
 use crate::base::ids::TriangleId;
+use crate::config::{Choice, Effect, Key, Keys, Section, Settings, Value};
 use crate::render::Shares;
+use crate::render::visibility::SKY_RAYS;
 use crate::scene::Mesh;
 use crate::scene::light::{LocalLight, Sun};
 use crate::trace::Bvh;
 
 /// Section `[light]`.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Config {
     /// Whether the light is known.
     pub mode: Mode,
-    /// Towards the sun, in the mesh's coordinates; any length but 0, which stands for none given.
+    /// The direction to the sun in the mesh's coordinates, of any length but 0; zeros if none is given.
     pub sun: [f64; 3],
-    /// Radiance of a white Lambertian that faces the sun, sky aside, linear RGB.
+    /// Radiance of a white Lambertian that faces the sun, without the sky's part, linear RGB.
     pub color: [f64; 3],
-    /// Radiance of the sky, taken to be the same all over, linear RGB; what a white Lambertian under all of it has, too.
+    /// Radiance of the sky, the same all over, linear RGB. A white Lambertian under all of it has this radiance too.
     pub sky: [f64; 3],
 }
 
 /// Whether the light is known.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Mode {
-    /// It is not: the estimator sees reflectance maps alone.
+    /// The light is unknown: the estimator sees reflectance maps alone.
     Unknown,
     /// Sun and sky are given.
     Known,
@@ -37,44 +36,68 @@ impl Choice for Mode {
     const NAMES: &'static [(&'static str, Self)] = &[("unknown", Mode::Unknown), ("known", Mode::Known)];
 }
 
-impl Default for Config {
-    fn default() -> Self {
-        Config { mode: Mode::Unknown, sun: [0.0; 3], color: [1.0; 3], sky: [0.0; 3] }
-    }
-}
+impl Section for Config {
+    const NAME: &'static str = "light";
+    const ABOUT: &'static str = "The light that the photographs were taken in.";
+    const KEYS: &'static [Key] = &[
+        Key {
+            name: "mode",
+            doc: "\"unknown\": materials come from the reflectance maps alone. \"known\": the photographs were taken in the sun \
+                  and sky below; estimator = \"fit\" and \"network+fit\" use them, and the shadows that they cast.",
+            value: Value::Default("\"unknown\""),
+        },
+        Key {
+            name: "sun",
+            doc: "The direction to the sun in the mesh's coordinates. Any solar calculator gives azimuth and elevation for a \
+                  place and a time.",
+            value: Value::Optional("[0.3, -0.5, 0.8]"),
+        },
+        Key {
+            name: "color",
+            doc: "Radiance of a white matt surface that faces the sun, without the sky's part, in the units of the photographs.",
+            value: Value::Default("[1.0, 1.0, 1.0]"),
+        },
+        Key {
+            name: "sky",
+            doc: "Radiance of the sky. A white matt surface in the shade, under all of the sky, has this radiance too.",
+            value: Value::Default("[0.0, 0.0, 0.0]"),
+        },
+    ];
 
-impl Config {
-    /// What is wrong with it.
-    pub fn check(&self) -> Vec<Fault> {
-        let mut faults = Vec::new();
-        let length = self.sun.iter().map(|v| v * v).sum::<f64>();
-        if self.mode == Mode::Known && !(length.is_finite() && length > 0.0) {
-            let rule =
-                "must point towards the sun where mode = \"known\", in the mesh's coordinates, as [0.3, -0.5, 0.8]";
-            faults.push(Fault::new("sun", rule, format!("{:?}", self.sun)));
-        }
-        for (key, values) in [("color", self.color), ("sky", self.sky)] {
-            if !values.iter().all(|v| (0.0..=1e3).contains(v)) {
-                faults.push(Fault::new(key, "must be three numbers, 0 to 1000", format!("{values:?}")));
-            }
-        }
-        faults
+    fn read(keys: &Keys<'_>) -> Self {
+        let mode = keys.choice("mode");
+        let sun: [f64; 3] = keys.optional("sun").unwrap_or_default();
+        let length = DVec3::from(sun).length_squared();
+        let rule = "must point towards the sun where mode = \"known\", in the mesh's coordinates, as [0.3, -0.5, 0.8]";
+        keys.check("sun", mode == Mode::Unknown || (length.is_finite() && length > 0.0), rule);
+        let [color, sky] = ["color", "sky"].map(|key| {
+            let radiance: [f64; 3] = keys.value(key);
+            keys.check(key, radiance.iter().all(|v| (0.0..=1e3).contains(v)), "must be three numbers, 0 to 1000");
+            radiance
+        });
+        Config { mode, sun, color, sky }
+    }
+
+    fn settings(&self) -> Settings {
+        let Config { mode, sun, color, sky } = self;
+        Settings::of(Self::NAME)
+            .with("mode", mode.name(), Effect::Light)
+            .with("sun", sun, Effect::Light)
+            .with("color", color, Effect::Light)
+            .with("sky", sky, Effect::Light)
     }
 }
 
 impl Config {
     /// The sun, and the sky's radiance.
     pub fn sun_and_sky(&self) -> (Sun, Vec3) {
-        let vector = |v: [f64; 3]| Vec3::from_array(v.map(|v| v as f32));
+        let vector = |v: [f64; 3]| DVec3::from(v).as_vec3();
         (Sun { direction: vector(self.sun).normalize_or_zero(), color: vector(self.color) }, vector(self.sky))
     }
 }
 
-/// Rays that find a triangle's share of the sky.
-const SKY_RAYS: u32 = 32;
-
 /// A known light over a scene.
-pub struct SceneLight<'a> {
+pub(crate) struct SceneLight<'a> {
     mesh: &'a Mesh,
     bvh: &'a Bvh,
     sun: Sun,
@@ -84,16 +107,16 @@ pub struct SceneLight<'a> {
 }
 
 impl<'a> SceneLight<'a> {
-    /// The light of the configuration over a mesh; the sky is the half about `up`.
-    pub fn new(config: &Config, mesh: &'a Mesh, bvh: &'a Bvh, up: [f64; 3]) -> Self {
+    /// The configured light over a mesh. The sky is the hemisphere about `up`.
+    pub(crate) fn new(config: &Config, mesh: &'a Mesh, bvh: &'a Bvh, up: [f64; 3]) -> Self {
         let (sun, sky) = config.sun_and_sky();
-        let up = Vec3::from_array(up.map(|v| v as f32)).normalize_or_zero();
+        let up = DVec3::from(up).as_vec3().normalize_or_zero();
         let rays = if sky == Vec3::ZERO { 0 } else { SKY_RAYS };
         SceneLight { mesh, bvh, sun, sky, up, shares: Shares::new(mesh, rays) }
     }
 
-    /// What of it reaches a triangle; nothing one without area.
-    pub fn local(&self, t: TriangleId) -> LocalLight {
+    /// The light that reaches a triangle; zero for a triangle without area.
+    pub(crate) fn local(&self, t: TriangleId) -> LocalLight {
         let Some(frame) = self.mesh.lobe_frame(t) else {
             return LocalLight { direction: Vec3::Z, sun: Vec3::ZERO, sky: Vec3::ZERO };
         };
@@ -108,16 +131,21 @@ impl<'a> SceneLight<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::DVec3;
+    use crate::config::read_text;
 
     #[test]
     fn a_known_sun_has_a_direction() {
-        assert_eq!(Config::default().check(), []);
-        let known = Config { mode: Mode::Known, ..Config::default() };
-        assert_eq!(known.check().iter().map(|f| f.key).collect::<Vec<_>>(), ["sun"]);
-        assert_eq!(Config { sun: [0.0, 0.0, -2.0], ..known.clone() }.check(), []);
-        let dark = Config { color: [-1.0, 0.0, 0.0], sky: [f64::NAN; 3], sun: [1.0; 3], ..known };
-        assert_eq!(dark.check().iter().map(|f| f.key).collect::<Vec<_>>(), ["color", "sky"]);
+        for (text, fields) in [
+            ("", &[][..]),
+            ("mode = 'known'", &["light.sun"]),
+            ("mode = 'known'\nsun = [0, 0, 0]", &["light.sun"]),
+            ("mode = 'known'\nsun = [inf, 0, 0]", &["light.sun"]),
+            ("mode = 'known'\nsun = [0, 0, -2]", &[]),
+            ("mode = 'known'\nsun = [1, 1, 1]\ncolor = [-1, 0, 0]\nsky = [nan, 0, 0]", &["light.color", "light.sky"]),
+        ] {
+            let (_, problems) = read_text::<Config>(text);
+            assert_eq!(problems.iter().map(|p| p.field.as_str()).collect::<Vec<_>>(), fields, "{text}");
+        }
     }
 
     #[test]
@@ -130,7 +158,7 @@ mod tests {
         let bvh = Bvh::build(&mesh);
         let config = Config { mode: Mode::Known, sun: [0.0, 0.0, 3.0], color: [1.0; 3], sky: [0.5; 3] };
         let light = SceneLight::new(&config, &mesh, &bvh, [0.0, 0.0, 1.0]);
-        let [under, roof, open] = [0, 1, 2].map(|t| light.local(t));
+        let [under, roof, open] = [0, 1, 2].map(|t| light.local(TriangleId(t)));
         assert_eq!((under.sun, roof.sun, open.sun), (Vec3::ZERO, Vec3::ONE, Vec3::ONE));
         assert!(under.sky.x < 0.4 && roof.sky.x == 0.5 && open.sky.x > 0.45, "{under:?} {open:?}");
         assert!((open.direction - Vec3::Z).length() < 1e-6);

@@ -1,73 +1,72 @@
-//! Merge: the materials of all shards become one row a triangle, and what was hardly seen is filled.
+//! Merge: the rows of all shards become two tables of a row a triangle, and triangles that were hardly seen are filled.
 
 use std::io::Write;
 use std::sync::Arc;
 
-use serde::Serialize;
-
-use super::Fault;
 use super::fill::{self, fill};
-use super::shards::Shard;
-use crate::base::ids::TriangleId;
+use super::shards::RowsFile;
+use crate::base::ids::{ShardId, TriangleId};
 use crate::base::{Array, Bits, Error, Result};
-use crate::codec::npy::{self, NpyWriter};
+use crate::codec::tables::npy::{self, NpyWriter};
+use crate::config::{Effect, Former, Key, Keys, Now, Section, Settings, Value};
 use crate::disk::{FileEntry, Store};
 use crate::scene::Material;
 use crate::scene::adjacency::Adjacency;
 use crate::scene::evidence::{Evidence, Filled};
-use crate::scene::reflectance::FRONT_BINS;
-use crate::shard::format::SHARD;
-use crate::shard::rows::Row;
+use crate::shard::Row;
 
 /// Section `[merge]`.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Config {
-    /// Bins that a triangle's map must have filled for its material to count, 1 to 3,600.
-    pub min_bins: u32,
-    /// Whether triangles with less are filled from their nearest observed neighbours; else they are NaN.
+    /// Whether triangles that were not seen are filled from their nearest seen neighbours; else they are NaN.
     pub fill: bool,
 }
 
-impl Default for Config {
-    fn default() -> Self {
-        Config { min_bins: 1, fill: true }
+impl Section for Config {
+    const NAME: &'static str = "merge";
+    const ABOUT: &'static str = "How the materials of all triangles become one table.";
+    const KEYS: &'static [Key] = &[Key {
+        name: "fill",
+        doc: "Whether triangles that were not seen take the material of their nearest seen neighbours; false leaves them NaN.",
+        value: Value::Default("true"),
+    }];
+    const FORMER: &'static [Former] = &[Former { name: "min_bins", now: Now::Moved("[infer] min_bins") }];
+
+    fn read(keys: &Keys<'_>) -> Self {
+        Config { fill: keys.value("fill") }
+    }
+
+    fn settings(&self) -> Settings {
+        let Config { fill } = self;
+        Settings::of(Self::NAME).with("fill", fill, Effect::Merge)
     }
 }
 
-impl Config {
-    /// What is wrong with it.
-    pub fn check(&self) -> Vec<Fault> {
-        Fault::unless_within("min_bins", self.min_bins, 1..=FRONT_BINS as u32).into_iter().collect()
-    }
-}
-
-/// The unit of both tables.
-pub const TABLES: &str = "tables";
-/// Version of what this stage makes of the shards' rows; part of the tables' recipe.
-pub const VERSION: u32 = 2;
+/// The version of the tables; an ingredient of their recipe.
+pub(crate) const VERSION: u32 = 2;
 /// The table of materials, [F,7].
-pub const MATERIALS: &str = "materials.npy";
-/// The table of what stands behind them, [F,17].
-pub const EVIDENCE: &str = "evidence.npy";
+pub(crate) const MATERIALS: &str = "materials.npy";
+/// The table of the evidence behind them, [F,17].
+pub(crate) const EVIDENCE: &str = "evidence.npy";
 
-/// Bytes of memory that merging holds for this many triangles, at most.
-pub fn bytes(triangles: u64) -> u64 {
+/// The most memory that merging holds for this many triangles, in bytes.
+pub(crate) fn bytes(triangles: u64) -> u64 {
     // A shard's file is mapped, and its rows are held.
-    fill::bytes(triangles) + triangles.min(u64::from(SHARD)) * size_of::<Row>() as u64 + BUFFERS
+    fill::bytes(triangles) + triangles.min(u64::from(ShardId::TRIANGLES)) * size_of::<Row>() as u64 + BUFFERS
 }
 
-/// Bytes of what is written and not yet on its way.
+/// Bytes of the buffers of files being written.
 const BUFFERS: u64 = 1 << 20;
 
-/// Puts every shard's rows, the shards ascending, in their place among those of `count` triangles and writes both tables,
-/// whose names must be free; if it is known which triangles touch, what was hardly seen is filled. No table is held: what is
-/// to be filled lies in scratch of the store.
+/// Writes both tables, whose names must be free, for a mesh of `count` triangles. The shards must ascend. Given which triangles
+/// touch, triangles that were hardly seen are filled. No table is held in memory: materials to be filled lie in the store's
+/// scratch.
 ///
 /// # Errors
-/// A shard whose rows cannot be read or are not those of this mesh; anything that cannot be written.
-pub fn merge(
+/// A shard whose rows cannot be read or belong to another mesh; a table that cannot be written.
+pub(crate) fn merge(
     store: &dyn Store,
-    shards: &[Shard],
+    shards: &[RowsFile],
     count: usize,
     adjacency: Option<&Adjacency>,
 ) -> Result<Vec<FileEntry>> {
@@ -98,30 +97,31 @@ pub fn merge(
 /// The rows of all triangles.
 struct All<'a> {
     store: &'a dyn Store,
-    shards: &'a [Shard],
+    shards: &'a [RowsFile],
     count: usize,
 }
 
 impl All<'_> {
-    /// Tells of every triangle in order; of one that no shard has a row for, that there is nothing.
+    /// Tells of every triangle in order. A triangle without a row in any shard has neither material nor evidence.
     fn each(&self, mut tell: impl FnMut(TriangleId, [f32; Material::LEN], Evidence) -> Result<()>) -> Result<()> {
         let nothing = Evidence { filled: Filled::Nothing, deviation: [f32::NAN; Material::LEN], ..Evidence::default() };
         let mut next = 0;
         for shard in self.shards {
-            for (triangle, row, evidence) in shard.rows(self.store)?.rows {
-                if triangle < next || triangle as usize >= self.count {
-                    let number = shard.number;
-                    return Err(Error::invalid(format!("shard {number} is out of order, or goes past the mesh's end")));
+            for Row { triangle, material, evidence } in shard.read(self.store)?.rows {
+                if triangle.index() < next || triangle.index() >= self.count {
+                    let shard = shard.shard;
+                    return Err(Error::invalid(format!("shard {shard} is out of order, or goes past the mesh's end")));
                 }
-                (next..triangle).try_for_each(|t| tell(t, [f32::NAN; Material::LEN], nothing))?;
-                tell(triangle, row, evidence)?;
-                next = triangle + 1;
+                (next..triangle.index())
+                    .try_for_each(|t| tell(TriangleId::at(t), [f32::NAN; Material::LEN], nothing))?;
+                tell(triangle, material, evidence)?;
+                next = triangle.index() + 1;
             }
         }
-        (next..self.count as TriangleId).try_for_each(|t| tell(t, [f32::NAN; Material::LEN], nothing))
+        (next..self.count).try_for_each(|t| tell(TriangleId::at(t), [f32::NAN; Material::LEN], nothing))
     }
 
-    /// Writes a table of what `row` makes of each triangle.
+    /// Writes a table of the row that `row` makes of each triangle.
     fn table<const N: usize>(
         &self,
         name: &str,
@@ -131,7 +131,7 @@ impl All<'_> {
     }
 }
 
-/// Writes a table of `count` rows, which `rows` puts into it.
+/// Writes a table of `count` rows. `rows` puts them into it.
 fn table<const N: usize>(
     store: &dyn Store,
     name: &str,
@@ -141,10 +141,10 @@ fn table<const N: usize>(
     let failed = |why| Error::io("write", store.path(name))(why);
     let mut out = NpyWriter::new(store.create(name)?, &[count, N]).map_err(failed)?;
     rows(&mut |row| out.write(&row).map_err(failed))?;
-    out.finish().map_err(failed)?.commit()
+    out.finish().map_err(failed)?.replace()
 }
 
-/// The material of every triangle and what stands behind it, in the mesh's order: the tables of a run, mapped.
+/// The tables of a run, mapped: every triangle's material and evidence, in the mesh's order.
 #[derive(Debug)]
 pub struct Materials {
     /// Rows of `materials.npy`; NaN where there is none.
@@ -180,36 +180,34 @@ impl Materials {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::disk::{DirStore, MemStore, Recipe};
+    use crate::base::ids::ShardId;
+    use crate::disk::{DirStore, MemStore};
     use crate::scene::Mesh;
     use crate::shard::ShardRows;
     use glam::DVec3;
 
-    #[test]
-    fn no_map_fills_more_than_its_front() {
-        for (min_bins, faults) in [(0, 1), (1, 0), (3600, 0), (3601, 1)] {
-            assert_eq!(Config { min_bins, ..Config::default() }.check().len(), faults, "{min_bins}");
-        }
-    }
+    const SHARD: u32 = ShardId::TRIANGLES;
 
     /// Shards of a strip of triangles, each touching the next: of triangle 2 too little was seen, of most nothing.
-    fn strip(store: &dyn Store) -> (Vec<Shard>, Mesh) {
+    fn strip(store: &dyn Store) -> (Vec<RowsFile>, Mesh) {
         let count = 2 * SHARD + 9;
         let corners: Vec<DVec3> = (0..count + 2).map(|i| DVec3::new(f64::from(i / 2), f64::from(i % 2), 0.0)).collect();
         let mesh = Mesh::new(&corners, (0..count).map(|i| [i, i + 1, i + 2]).collect()).unwrap();
-        let row = |t: u32, value: f32, filled| {
-            (t, [value; 7], Evidence { bins: 1.0 + t as f32, filled, ..Evidence::default() })
+        let row = |t: u32, value: f32, filled| Row {
+            triangle: TriangleId(t),
+            material: [value; 7],
+            evidence: Evidence { bins: 1.0 + t as f32, filled, ..Evidence::default() },
         };
         let own = |number: u32, rows: Vec<Row>| {
-            let shard = Shard { number, recipe: Recipe::new(format!("shard {number}")) };
-            shard.write(store, &ShardRows { shard: number, rows }).unwrap();
-            shard
+            let file = RowsFile { shard: ShardId(number), name: format!("{number}.rows") };
+            ShardRows { shard: file.shard, rows }.write(store, &file.name).unwrap();
+            file
         };
         let first = vec![row(0, 0.5, Filled::Observed), row(2, f32::NAN, Filled::Nothing)];
         (vec![own(0, first), own(2, vec![row(2 * SHARD + 8, 1.0, Filled::Observed)])], mesh)
     }
 
-    fn merged(store: &dyn Store, (shards, mesh): &(Vec<Shard>, Mesh), fill: bool) -> Materials {
+    fn merged(store: &dyn Store, (shards, mesh): &(Vec<RowsFile>, Mesh), fill: bool) -> Materials {
         let adjacency = fill.then(|| Adjacency::of(mesh));
         let files = merge(store, shards, mesh.len(), adjacency.as_ref()).unwrap();
         assert!(files.iter().all(|file| file.verify(store).is_ok()));
@@ -253,7 +251,7 @@ mod tests {
     fn shards_out_of_order_or_past_the_end_are_refused() {
         let store = MemStore::new();
         let (mut shards, mesh) = strip(&store);
-        let refusal = |shards: &[Shard], count| merge(&store, shards, count, None).unwrap_err().to_string();
+        let refusal = |shards: &[RowsFile], count| merge(&store, shards, count, None).unwrap_err().to_string();
         assert!(refusal(&shards, mesh.len() - 1).contains("past the mesh's end"));
         shards.reverse();
         assert!(refusal(&shards, mesh.len()).contains("out of order"));

@@ -1,8 +1,8 @@
-//! Data with a known truth: spheres, sparse maps, a city.
+//! Data with a known truth: a city with its photographs, dense maps of spheres, sparse maps as flights fill them.
 
-pub mod city;
-pub mod sparse;
-pub mod spheres;
+pub(crate) mod city;
+pub(crate) mod sparse;
+pub(crate) mod spheres;
 
 use glam::Vec3;
 

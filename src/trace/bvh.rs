@@ -2,34 +2,35 @@
 
 use super::ray::{Course, Hit, Ray};
 use super::slab::{EMPTY, Node, WIDTH, larger, smaller};
-use super::triangle::{Packed, intersect};
+use super::triangle::{Meeting, Packed, intersect};
 use crate::base::Array;
-use crate::base::ids::NO_TRIANGLE;
+use crate::base::convert::to_f32;
+use crate::base::ids::TriangleId;
 
 /// A bounding volume hierarchy, four boxes to a node, over copies of the triangles. Built by [`Bvh::build`](Bvh::build).
 #[derive(Debug, Clone)]
 pub struct Bvh {
-    /// None if there is nothing to hit.
+    /// The nodes; none if there is nothing to hit.
     pub(super) nodes: Array<Node>,
-    /// In the order of the leaves.
+    /// The triangles in the order of the leaves.
     pub(super) triangles: Array<Packed>,
-    /// The node that all others are below.
+    /// The number of the root node.
     pub(super) root: u32,
     /// The power of two that coordinates were multiplied by.
     pub(super) scale: f64,
 }
 
-/// Nodes between the root and the farthest leaf, at most; `build` sees to it.
+/// Nodes between the root and the farthest leaf, at most; `hierarchy` sees to it.
 pub(super) const DEPTH: usize = 56;
 
-/// Each level leaves all but one child on the stack.
+/// Entries of the stack: each level leaves all but one child on it.
 pub(super) const STACK: usize = (WIDTH - 1) * DEPTH + 1;
 
-/// Scaled origins farther out meet nothing: nothing overflows this side of it.
+/// Scaled origins farther out meet nothing: nearer ones overflow nothing.
 const FARTHEST: f32 = (1u128 << 96) as f32;
 
 impl Bvh {
-    /// Triangles that can be hit.
+    /// Number of triangles that can be hit.
     pub fn len(&self) -> usize {
         self.triangles.len()
     }
@@ -39,21 +40,21 @@ impl Bvh {
         self.triangles.is_empty()
     }
 
-    /// Bytes that it takes per triangle, at most.
+    /// Bytes that a tree takes per triangle, at most.
     pub const BYTES_PER_TRIANGLE: u64 = 96;
 
-    /// Bytes that it takes, wherever they are.
+    /// Bytes that the tree takes, in memory or in a mapped file.
     pub fn bytes(&self) -> u64 {
         (size_of_val(&self.nodes[..]) + size_of_val(&self.triangles[..])) as u64
     }
 
-    /// Bytes of memory that it holds: none where it lies in a mapped file.
+    /// Bytes of memory that the tree holds: none where it lies in a mapped file.
     pub fn held(&self) -> u64 {
         self.nodes.held() + self.triangles.held()
     }
 
-    /// The nearest triangle at a distance in (0, `t_max`], in lengths of the ray's direction; the one with the lower id
-    /// where two are equally near.
+    /// The nearest triangle at a distance in (0, `t_max`], in lengths of the ray's direction; the triangle with the lower
+    /// id where two are equally near.
     pub fn nearest(&self, ray: &Ray, t_max: f32) -> Option<Hit> {
         self.traverse::<false>(ray, t_max)
     }
@@ -66,7 +67,7 @@ impl Bvh {
     /// The origin in scaled coordinates; `None` if it is too far away or not finite.
     #[inline]
     pub(super) fn scaled(&self, origin: glam::Vec3) -> Option<[f32; 3]> {
-        let origin = origin.to_array().map(|c| (f64::from(c) * self.scale) as f32);
+        let origin = origin.to_array().map(|c| to_f32(f64::from(c) * self.scale));
         origin.iter().all(|c| c.abs() < FARTHEST).then_some(origin)
     }
 
@@ -76,7 +77,7 @@ impl Bvh {
             return None;
         }
         let unit = course.unit / self.scale;
-        let mut best = Best { t: (f64::from(t_max) / unit) as f32, ..Best::NONE };
+        let mut best = Best { t: to_f32(f64::from(t_max) / unit), ..Best::NONE };
         let (nodes, triangles): (&[Node], &[Packed]) = (&self.nodes, &self.triangles);
         let mut stack = [(0f32, self.root); STACK];
         let mut held = 1;
@@ -124,36 +125,36 @@ pub(super) fn leaf<'a>(triangles: &'a [Packed], node: &Node, i: usize) -> &'a [P
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Best {
     pub t: f32,
-    pub triangle: u32,
+    pub triangle: TriangleId,
     pub u: f32,
     pub v: f32,
 }
 
 impl Best {
-    /// Nothing yet, and nothing is too far.
-    pub const NONE: Best = Best { t: f32::INFINITY, triangle: NO_TRIANGLE, u: 0.0, v: 0.0 };
+    /// No meeting yet, and no distance is too far.
+    pub(super) const NONE: Best = Best { t: f32::INFINITY, triangle: TriangleId::NONE, u: 0.0, v: 0.0 };
 
-    /// Whether there is one.
-    pub fn is_some(&self) -> bool {
-        self.triangle != NO_TRIANGLE
+    /// Whether the ray has met a triangle.
+    pub(super) fn is_some(&self) -> bool {
+        self.triangle != TriangleId::NONE
     }
 
-    /// Takes a meeting if it is nearer, or as near with a lower id.
+    /// Takes a meeting that is nearer, or as near with a lower id.
     #[inline]
-    pub fn offer(&mut self, triangle: u32, meeting: super::triangle::Meeting) {
+    pub(super) fn offer(&mut self, triangle: TriangleId, meeting: Meeting) {
         if meeting.t < self.t || (meeting.t == self.t && triangle < self.triangle) {
             *self = Best { t: meeting.t, triangle, u: meeting.u, v: meeting.v };
         }
     }
 
-    /// The hit; `unit` is what a scaled distance is in lengths of the ray's direction.
+    /// The hit; `unit` is a unit of scaled distance in lengths of the ray's direction.
     #[inline]
-    pub fn hit(&self, unit: f64) -> Hit {
-        Hit { triangle: self.triangle, t: (f64::from(self.t) * unit) as f32, u: self.u, v: self.v }
+    pub(super) fn hit(&self, unit: f64) -> Hit {
+        Hit { triangle: self.triangle, t: to_f32(f64::from(self.t) * unit), u: self.u, v: self.v }
     }
 }
 
-/// Where the ray enters each box; no number where it does not before `t_max`.
+/// The distance at which the ray enters each box; NaN where it does not enter before `t_max`.
 #[inline(always)]
 fn enter(node: &Node, origin: &[f32; 3], course: &Course, t_max: f32) -> [f32; WIDTH] {
     let [near, far] = node.planes(origin, course.signs);

@@ -3,8 +3,8 @@
 //! - [`Bvh::nearest`] and [`Bvh::occluded`] take any ray; [`tile::cast`] takes the rays of a tile of pixels, which share
 //!   their origin, sixteen at a time, and finds the same hits bit for bit; [`parallel::occluded`] takes rays of
 //!   one direction, sixteen at a time.
-//! - Hits are those of a loop over all triangles with the same triangle test: which triangle, and every bit of `t`, `u`
-//!   and `v`. No box is passed by that could hold one (`slab`), and of equally near triangles the lower id counts. So the
+//! - Hits are those of a loop over all triangles with the same triangle test: the same triangle, and every bit of `t`, `u`
+//!   and `v`. No box that could hold a hit is skipped (`slab`), and of equally near triangles the lower id counts. So the
 //!   hits depend neither on the shape of the tree nor on the number of threads.
 //! - Casting is watertight: a ray aimed at the edge or the vertex that triangles share meets one of them (`triangle`).
 //! - Both sides of a triangle are hit. Triangles without area never are.
@@ -13,23 +13,23 @@
 //!   keeps products of small or large numbers in range.
 //!
 //! Memory: a triangle takes 40 bytes (its corners and its id, in the order of the leaves) and its share of the nodes,
-//! 128 bytes for up to four boxes: [`Bvh::bytes`] says how many. `build` tells what building takes besides. A tree may
-//! lie in a mapped file (`stored`); then it is the system's to drop and read again.
+//! 128 bytes for up to four boxes; [`Bvh::bytes`] gives the sum. [`hierarchy::Chunks`] says what building takes besides. A
+//! tree may lie in a mapped file (`stored`); the system may then drop its pages and read them again.
 
-pub mod build;
 mod bvh;
+pub(crate) mod hierarchy;
 mod packet;
-pub mod parallel;
+pub(crate) mod parallel;
 mod ray;
 mod slab;
 mod stored;
 #[cfg(test)]
 mod tests;
-pub mod tile;
+pub(crate) mod tile;
 mod triangle;
-pub mod view;
+pub(crate) mod view;
 
 pub use bvh::Bvh;
 pub use ray::{Hit, Ray};
-pub use stored::Stored;
-pub use view::TileRays;
+pub(crate) use stored::Stored;
+pub(crate) use view::{PixelHit, TileRays};

@@ -1,5 +1,5 @@
-//! Sixteen rays from one point, through the tree together: a node or a triangle is fetched once for all of them, moved to
-//! their origin once, and tested in lanes that the compiler turns into vectors.
+//! Sixteen rays from one point, cast together: a node or a triangle is fetched once for all of them, moved to their origin
+//! once, and tested in lanes that the compiler turns into vectors.
 //!
 //! All lanes share the order of their axes and the signs of their directions (`tile` sees to it), so that nothing in
 //! the lanes branches. A lane's arithmetic is that of `Bvh::nearest`, operation by operation.
@@ -15,7 +15,7 @@ pub(super) const LANES: usize = 16;
 /// A value for each ray.
 pub(super) type Lanes = [f32; LANES];
 
-/// The rays, and the nearest that each has met.
+/// The rays, and the nearest meeting of each.
 #[derive(Debug, Clone)]
 pub(super) struct Packet {
     axes: [usize; 3],
@@ -23,14 +23,14 @@ pub(super) struct Packet {
     inverse: [Lanes; 3],
     shear: [Lanes; 2],
     depth: Lanes,
-    /// How far each lane still looks: the distance of `best`, less than 0 for a lane without a ray.
+    /// How far each lane still looks: the distance of `best`; below 0 for a lane without a ray.
     reach: Lanes,
     best: [Best; LANES],
 }
 
 impl Packet {
-    /// A packet of at most [`LANES`] courses that agree in axes and signs; none has no packet.
-    pub fn new(courses: &[Course]) -> Option<Packet> {
+    /// A packet of at most [`LANES`] courses that agree in axes and signs; `None` without courses.
+    pub(super) fn new(courses: &[Course]) -> Option<Packet> {
         let first = courses.first()?;
         // Lanes without a ray repeat the first and reach nowhere.
         let lane = |i: usize| courses.get(i).unwrap_or(first);
@@ -47,7 +47,7 @@ impl Packet {
     }
 
     /// The nearest triangle of each lane.
-    pub fn cast(mut self, bvh: &Bvh, origin: &[f32; 3]) -> [Best; LANES] {
+    pub(super) fn cast(mut self, bvh: &Bvh, origin: &[f32; 3]) -> [Best; LANES] {
         let (nodes, triangles): (&[Node], &[Packed]) = (&bvh.nodes, &bvh.triangles);
         let mut stack = [(0f32, bvh.root); STACK];
         let mut held = usize::from(!bvh.is_empty());
@@ -89,7 +89,7 @@ impl Packet {
         fold(self.reach, larger)
     }
 
-    /// Where the first of the lanes enters a box; infinite if none does before its reach.
+    /// The least distance at which a lane enters a box; infinite if no lane enters within its reach.
     #[inline(always)]
     fn enter(&self, near: [f32; 3], far: [f32; 3]) -> f32 {
         let mut entry = [0f32; LANES];
@@ -132,7 +132,7 @@ impl Packet {
     }
 }
 
-/// Lanes whose edge functions do not sort the triangle out; `sheared` is x and y of each corner.
+/// The lanes whose rays may meet a triangle, by its edge functions; `sheared` is x and y of each corner.
 #[inline(always)]
 pub(super) fn candidates([a, b, c]: &[[Lanes; 2]; 3]) -> [bool; LANES] {
     let mut candidates = [false; LANES];

@@ -1,9 +1,9 @@
-//! Rays that run side by side, as the sun's do: sixteen from anywhere in one direction, and whether anything is in the way
-//! of each. A node is fetched once for all of them and its boxes, widened by as much as the rays lie apart, are tested by
-//! one ray; only triangles are tested in lanes. So it is fastest where the rays start close together.
+//! Casts parallel rays, such as the sun's: sixteen from any origins in one direction, each until anything is in its way. A
+//! node is fetched once for all sixteen, and one ray tests its boxes, widened by the distance between the rays; only
+//! triangles are tested in lanes. So casting is fastest where the rays start close together.
 //!
-//! A lane's triangle test is that of `Bvh::occluded`, operation by operation, and no box is passed by that could hold what a
-//! lane meets; so the answers are the same.
+//! A lane's triangle test is that of `Bvh::occluded`, operation by operation, and no box that could hold a hit of a
+//! lane is skipped; so the answers are the same.
 
 use glam::Vec3;
 
@@ -15,7 +15,7 @@ use super::triangle::{Packed, meet};
 
 /// Whether any triangle is in the way of the rays from `origins` along `direction`: `dark[i]` becomes what
 /// [`Bvh::occluded`] says, to any distance. Of two slices of different length, the longer one's rest is left alone.
-pub fn occluded(bvh: &Bvh, direction: Vec3, origins: &[Vec3], dark: &mut [bool]) {
+pub(crate) fn occluded(bvh: &Bvh, direction: Vec3, origins: &[Vec3], dark: &mut [bool]) {
     let count = origins.len().min(dark.len());
     let course = Course::new(direction).filter(|_| !bvh.is_empty());
     for (origins, dark) in origins[..count].chunks(LANES).zip(dark[..count].chunks_mut(LANES)) {
@@ -29,18 +29,18 @@ pub fn occluded(bvh: &Bvh, direction: Vec3, origins: &[Vec3], dark: &mut [bool])
     }
 }
 
-/// The rays, and which of them have met something.
+/// The rays, and whether each has met something.
 struct Beam {
     course: Course,
-    /// Scaled: axis, then lane.
+    /// Scaled origins: axis, then lane.
     origins: [Lanes; 3],
-    /// The first lane's.
+    /// The first lane's origin.
     from: [f32; 3],
-    /// How far the others lie from it along each axis, at least and at most.
+    /// How far the other origins lie from `from` along each axis, at least and at most.
     apart: [[f32; 2]; 3],
     /// Lanes that have no ray.
     none: [bool; LANES],
-    /// Those, and the ones that have met something.
+    /// Lanes that have no ray or have met something.
     done: [bool; LANES],
 }
 

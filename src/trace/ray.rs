@@ -1,16 +1,17 @@
-//! Rays and what they meet.
+//! Rays and their hits.
 
 use glam::Vec3;
 
-use crate::base::ids::{NO_TRIANGLE, TriangleId};
+use crate::base::convert::to_f32;
+use crate::base::ids::TriangleId;
 
 /// A half-line. One with a component that is not finite, or without a direction, meets nothing; nor does one that starts
 /// 2^96 times farther away than the scene is large.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ray {
-    /// Where it starts, relative to the mesh's origin.
+    /// Where the ray starts, relative to the mesh's origin.
     pub origin: Vec3,
-    /// Where it goes; of any length, which is the unit of distances along it.
+    /// Where the ray goes; its length is the unit of distances along the ray.
     pub direction: Vec3,
 }
 
@@ -24,7 +25,7 @@ impl Ray {
 /// The nearest triangle along a ray.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hit {
-    /// Its position in the file; [`NO_TRIANGLE`] if there is none.
+    /// The triangle; [`TriangleId::NONE`] if there is none.
     pub triangle: TriangleId,
     /// Distance, in lengths of the ray's direction; above 0. Infinite if nothing was hit.
     pub t: f32,
@@ -35,16 +36,16 @@ pub struct Hit {
 }
 
 impl Hit {
-    /// What a ray that meets nothing carries.
-    pub const MISS: Hit = Hit { triangle: NO_TRIANGLE, t: f32::INFINITY, u: 0.0, v: 0.0 };
+    /// The hit of a ray that meets nothing.
+    pub const MISS: Hit = Hit { triangle: TriangleId::NONE, t: f32::INFINITY, u: 0.0, v: 0.0 };
 
     /// Whether a triangle was hit.
     pub fn is_some(&self) -> bool {
-        self.triangle != NO_TRIANGLE
+        self.triangle != TriangleId::NONE
     }
 }
 
-/// A direction made ready: scaled by a power of two so that its largest component lies in [1/2, 1), and sheared so that
+/// A prepared direction: scaled by a power of two so that its largest component lies in [1/2, 1), and sheared so that
 /// it runs along one axis (Woop, Benthin and Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013, section 3.1).
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Course {
@@ -54,22 +55,22 @@ pub(super) struct Course {
     pub signs: u8,
     /// Reciprocals of the scaled components; infinite where one is 0.
     pub inverse: [f32; 3],
-    /// What z shears x and y by, in [-1, 1].
+    /// The shear of x and y by z, in [-1, 1].
     pub shear: [f32; 2],
     /// The scaled direction's largest component.
     pub depth: f32,
-    /// What a distance along the scaled direction is in lengths of the given one, in the same space.
+    /// A unit of distance along the scaled direction, in lengths of the given direction, in the same space.
     pub unit: f64,
 }
 
 impl Course {
-    /// Fills arrays.
-    pub const NOWHERE: Course =
+    /// A course that fills arrays before they are set.
+    pub(super) const NOWHERE: Course =
         Course { axes: [0; 3], signs: 0, inverse: [0.0; 3], shear: [0.0; 2], depth: 0.0, unit: 0.0 };
 
     /// `None` if the direction is zero or not finite.
     #[inline]
-    pub fn new(direction: Vec3) -> Option<Course> {
+    pub(super) fn new(direction: Vec3) -> Option<Course> {
         let d = direction.to_array();
         let size = d.map(f32::abs);
         let z = if size[0] >= size[1] && size[0] >= size[2] { 0 } else { 1 + usize::from(size[2] > size[1]) };
@@ -77,7 +78,7 @@ impl Course {
             return None;
         }
         let unit = scale_below_one(size[z]);
-        let d = d.map(|c| (f64::from(c) * unit) as f32);
+        let d = d.map(|c| to_f32(f64::from(c) * unit));
         let axes = [(z + 1) % 3, (z + 2) % 3, z];
         Some(Course {
             axes,

@@ -39,7 +39,7 @@ pub(super) struct Node {
 
 impl Node {
     /// A node without children.
-    pub const VACANT: Node = Node {
+    pub(super) const VACANT: Node = Node {
         low: [[0.0; WIDTH]; 3],
         high: [[0.0; WIDTH]; 3],
         child: [0; WIDTH],
@@ -49,7 +49,7 @@ impl Node {
 
     /// The planes that a ray from `origin` meets first and last, padded, relative to the origin: axis, then child.
     #[inline(always)]
-    pub fn planes(&self, origin: &[f32; 3], signs: u8) -> [[[f32; WIDTH]; 3]; 2] {
+    pub(super) fn planes(&self, origin: &[f32; 3], signs: u8) -> [[[f32; WIDTH]; 3]; 2] {
         let mut low = self.low;
         let mut high = self.high;
         let mut far = [0f32; WIDTH];
@@ -69,7 +69,7 @@ impl Node {
     /// Rounding how far they are apart, and taking it off, adds no more than 4 e m, where m is now the farthest plane from any
     /// of them; the pad is twice as wide all the same.
     #[inline(always)]
-    pub fn planes_of_many(&self, origin: &[f32; 3], apart: &[[f32; 2]; 3], signs: u8) -> [[[f32; WIDTH]; 3]; 2] {
+    pub(super) fn planes_of_many(&self, origin: &[f32; 3], apart: &[[f32; 2]; 3], signs: u8) -> [[[f32; WIDTH]; 3]; 2] {
         let mut low = self.low;
         let mut high = self.high;
         let mut far = [0f32; WIDTH];

@@ -1,24 +1,23 @@
-//! A tree that lies in bytes, such as a file's: [`Parts`](super::build::Parts) writes one. Nothing in it is trusted:
-//! what was not built here could run in circles or point anywhere, and is refused.
+//! A tree that lies in bytes, such as a file's: [`Chunks`](super::hierarchy::Chunks) writes one. Nothing in
+//! the bytes is trusted: nodes that were not built here could run in circles or point anywhere, and are refused.
 
 use std::ops::Range;
 
-use super::Bvh;
-use super::bvh::DEPTH;
+use super::bvh::{Bvh, DEPTH};
 use super::slab::EMPTY;
 use crate::base::Array;
 use crate::base::array::SharedBytes;
 
-/// Where the parts of a tree lie in its bytes.
+/// Where nodes and triangles of a tree lie in its bytes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stored {
     /// The nodes, as they were written.
     pub nodes: Range<usize>,
     /// The triangles, as they were written.
     pub triangles: Range<usize>,
-    /// The node that the tree begins with.
+    /// The number of the root node.
     pub root: u32,
-    /// What coordinates were multiplied by.
+    /// The factor that coordinates were multiplied by.
     pub scale: f64,
 }
 
@@ -26,7 +25,7 @@ impl Bvh {
     /// The tree that lies in these bytes, over a mesh of `count` triangles.
     ///
     /// # Errors
-    /// In words, what makes it none.
+    /// In words, if the bytes hold no such tree.
     pub fn view(bytes: &SharedBytes, at: &Stored, count: usize) -> Result<Bvh, String> {
         let nodes = Array::view(bytes, at.nodes.clone()).map_err(|found| format!("nodes: {found}"))?;
         let triangles = Array::view(bytes, at.triangles.clone()).map_err(|found| format!("leaves: {found}"))?;
@@ -38,24 +37,24 @@ impl Bvh {
         let (nodes, triangles) = (&self.nodes[..], &self.triangles[..]);
         // A power of two: nothing but an exponent.
         if !(self.scale.is_normal() && self.scale > 0.0 && self.scale.to_bits() << 12 == 0) {
-            return Err(format!("its scale is {:e}, and no power of two", self.scale));
+            return Err(format!("its scale is {:e}, which is not a power of two", self.scale));
         }
-        if let Some(at) = triangles.iter().position(|t| t.id as usize >= count) {
+        if let Some(at) = triangles.iter().position(|t| t.id.index() >= count) {
             return Err(format!("leaf triangle {at} is triangle {}, but the mesh has {count}", triangles[at].id));
         }
         if nodes.is_empty() || triangles.is_empty() {
             let none = nodes.is_empty() && triangles.is_empty();
             return if none { Ok(()) } else { Err("it has nodes or triangles, but not both".to_owned()) };
         }
-        // Depth first, each node with the level that it is on. A node that two others claim is met twice, and then more
-        // are met than there are.
+        // Depth first, each node with its level. A node with two parents is met twice, so that more nodes are met than
+        // there are.
         let mut to_do = vec![(self.root, 1)];
         let mut met = 0;
         while let Some((at, level)) = to_do.pop() {
             let node = nodes.get(at as usize).ok_or_else(|| format!("it wants node {at} of {}", nodes.len()))?;
             met += 1;
             if level > DEPTH || met > nodes.len() {
-                return Err(format!("its nodes are no tree of at most {DEPTH} levels"));
+                return Err(format!("its nodes are not a tree of at most {DEPTH} levels"));
             }
             for (&child, &count) in node.child.iter().zip(&node.count).filter(|(_, count)| **count != EMPTY) {
                 if count == 0 {
@@ -76,8 +75,9 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
+    use crate::base::convert::to_u32;
     use crate::scene::Mesh;
-    use crate::trace::build::Parts;
+    use crate::trace::hierarchy::Chunks;
     use crate::trace::slab::Node;
 
     /// A height field of `2 n^2` triangles.
@@ -110,7 +110,7 @@ mod tests {
             bytes.extend_from_slice(some);
             Ok(())
         };
-        let ordered = Parts::of(mesh).nodes(&mut put).unwrap();
+        let ordered = Chunks::of(mesh).nodes(&mut put).unwrap();
         ordered.triangles(&mut put).unwrap();
         let nodes = bytes.len() - 40 * mesh.len();
         let at =
@@ -141,16 +141,16 @@ mod tests {
         assert_eq!(refusal(&bytes, &at, count), "it is a tree");
         assert!(refusal(&bytes, &at, count - 1).contains("but the mesh has 1799"));
         for scale in [0.0, -1.0, f64::NAN, f64::INFINITY, 0.75, f64::from_bits(1)] {
-            assert!(refusal(&bytes, &Stored { scale, ..at.clone() }, count).contains("no power of two"), "{scale}");
+            assert!(refusal(&bytes, &Stored { scale, ..at.clone() }, count).contains("not a power of two"), "{scale}");
         }
-        let root = (at.nodes.end / 128) as u32;
+        let root = to_u32(at.nodes.end / 128);
         assert!(refusal(&bytes, &Stored { root, ..at.clone() }, count).contains("it wants node"));
         assert!(refusal(&bytes, &Stored { triangles: 0..0, ..at.clone() }, count).contains("but not both"));
         assert!(refusal(&bytes, &Stored { nodes: 0..64, ..at.clone() }, count).contains("nodes: 64 bytes"));
         let short = Stored { triangles: at.triangles.start..at.triangles.end - 40, ..at.clone() };
         assert!(refusal(&bytes, &short, count).contains("triangles from"));
         // The root's children become the root itself: a circle, and then one child twice.
-        for (child, words) in [(0u32, "no tree"), (u32::MAX, "it wants node")] {
+        for (child, words) in [(0u32, "not a tree"), (u32::MAX, "it wants node")] {
             let mut bytes = bytes.clone();
             bytes[96..100].copy_from_slice(&child.to_ne_bytes());
             bytes[112] = 0;
@@ -159,6 +159,6 @@ mod tests {
         let mut twice = bytes.clone();
         twice.copy_within(96..100, 100);
         twice[113] = twice[112];
-        assert!(refusal(&twice, &at, count).contains("no tree"), "{}", refusal(&twice, &at, count));
+        assert!(refusal(&twice, &at, count).contains("not a tree"), "{}", refusal(&twice, &at, count));
     }
 }

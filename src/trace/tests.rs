@@ -1,4 +1,4 @@
-use glam::{DVec3, Vec3};
+use glam::{DVec3, UVec2, Vec3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
@@ -7,7 +7,8 @@ use super::ray::Course;
 use super::slab::EMPTY;
 use super::triangle::intersect;
 use super::{Bvh, Hit, Ray, tile};
-use crate::base::ids::NO_TRIANGLE;
+use crate::base::convert::{to_f32, to_u32};
+use crate::base::ids::TriangleId;
 use crate::scene::Mesh;
 
 fn mesh(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Mesh {
@@ -16,7 +17,7 @@ fn mesh(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Mesh {
 
 /// Triangles of their own corners.
 fn soup(corners: Vec<Vec3>) -> Mesh {
-    let n = corners.len() as u32 / 3;
+    let n = to_u32(corners.len()) / 3;
     mesh(corners, (0..n).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect())
 }
 
@@ -28,7 +29,7 @@ fn vector(rng: &mut Pcg64Mcg) -> Vec3 {
 fn brute(bvh: &Bvh, ray: &Ray, t_max: f32) -> Option<Hit> {
     let (origin, course) = (bvh.scaled(ray.origin)?, Course::new(ray.direction)?);
     let unit = course.unit / bvh.scale;
-    let mut best = Best { t: (f64::from(t_max) / unit) as f32, ..Best::NONE };
+    let mut best = Best { t: to_f32(f64::from(t_max) / unit), ..Best::NONE };
     for packed in bvh.triangles.iter() {
         if let Some(meeting) = intersect(packed, &origin, &course) {
             best.offer(packed.id, meeting);
@@ -38,7 +39,7 @@ fn brute(bvh: &Bvh, ray: &Ray, t_max: f32) -> Option<Hit> {
 }
 
 fn bits(hit: Option<Hit>) -> Option<[u32; 4]> {
-    hit.map(|h| [h.triangle, h.t.to_bits(), h.u.to_bits(), h.v.to_bits()])
+    hit.map(|h| [h.triangle.0, h.t.to_bits(), h.u.to_bits(), h.v.to_bits()])
 }
 
 /// Every way of casting agrees with the loop, to the bit. Returns the number of hits.
@@ -83,7 +84,7 @@ fn icosphere(levels: usize, centre: Vec3) -> Mesh {
             for k in j + 1..12 {
                 if near(i, j) && near(j, k) && near(i, k) {
                     let out = (points[j] - points[i]).cross(points[k] - points[i]).dot(points[i]) > 0.0;
-                    faces.push(if out { [i, j, k] } else { [i, k, j] }.map(|v| v as u32));
+                    faces.push(if out { [i, j, k] } else { [i, k, j] }.map(to_u32));
                 }
             }
         }
@@ -94,7 +95,7 @@ fn icosphere(levels: usize, centre: Vec3) -> Mesh {
         let mut halve = |a: u32, b: u32, points: &mut Vec<Vec3>| {
             *middle.entry((a.min(b), a.max(b))).or_insert_with(|| {
                 points.push((points[a as usize] + points[b as usize]).normalize());
-                points.len() as u32 - 1
+                to_u32(points.len()) - 1
             })
         };
         faces = faces
@@ -182,8 +183,8 @@ fn hits_are_where_exact_geometry_has_them() {
         let ray = Ray { origin, direction: vector(&mut rng) - origin };
         let found = bvh.nearest(&ray, f32::INFINITY).unwrap_or(Hit::MISS);
         // Cramer's rule in f64 (Moeller and Trumbore 1997).
-        let mut truth = (f64::INFINITY, NO_TRIANGLE, DVec3::ZERO);
-        for t in 0..mesh.len() as u32 {
+        let mut truth = (f64::INFINITY, TriangleId::NONE, DVec3::ZERO);
+        for t in TriangleId::all(mesh.len()) {
             let [a, b, c] = mesh.corners(t).map(|p| p.as_dvec3());
             let (d, e, f, s) = (ray.direction.as_dvec3(), b - a, c - a, ray.origin.as_dvec3() - a);
             let det = d.cross(f).dot(e);
@@ -196,7 +197,7 @@ fn hits_are_where_exact_geometry_has_them() {
             same += 1;
             if found.is_some() {
                 hit += 1;
-                let off = [found.t - truth.0 as f32, found.u - truth.2.y as f32, found.v - truth.2.z as f32];
+                let off = [found.t - to_f32(truth.0), found.u - to_f32(truth.2.y), found.v - to_f32(truth.2.z)];
                 // The largest amplification by a grazing angle among these rays is about a thousand.
                 assert!(off.iter().all(|o| o.abs() < 1e-4), "{ray:?}: {off:?}");
             }
@@ -258,7 +259,7 @@ fn one_triangle_both_faces_and_the_ends_of_the_range() {
     let bvh = Bvh::build(&soup(vec![Vec3::ZERO, Vec3::X, Vec3::Y]));
     let down = Ray { origin: Vec3::new(0.25, 0.5, 3.0), direction: Vec3::new(0.0, 0.0, -2.0) };
     let up = Ray { origin: Vec3::new(0.25, 0.5, -3.0), direction: Vec3::Z };
-    let hit = Hit { triangle: 0, t: 1.5, u: 0.25, v: 0.5 };
+    let hit = Hit { triangle: TriangleId(0), t: 1.5, u: 0.25, v: 0.5 };
     assert_eq!(bvh.nearest(&down, f32::INFINITY), Some(hit));
     assert_eq!(down.at(1.5), Vec3::new(0.25, 0.5, 0.0));
     assert_eq!(bvh.nearest(&up, 3.0), Some(Hit { t: 3.0, ..hit }));
@@ -288,7 +289,7 @@ fn of_equally_near_triangles_the_lower_id_counts() {
     }
     let bvh = Bvh::build(&soup(corners));
     let ray = Ray { origin: Vec3::new(0.2, 0.3, 1.0), direction: Vec3::NEG_Z };
-    assert_eq!(bvh.nearest(&ray, f32::INFINITY).unwrap().triangle, 1);
+    assert_eq!(bvh.nearest(&ray, f32::INFINITY).unwrap().triangle, TriangleId(1));
     assert_eq!(agree(&bvh, ray.origin, &[ray.direction; 20]), 20);
 }
 
@@ -359,7 +360,7 @@ fn trees_deeper_than_the_stack_are_balanced() {
 }
 
 #[test]
-fn a_tree_in_parts_hits_what_a_whole_one_hits() {
+fn a_tree_in_chunks_hits_what_a_whole_one_hits() {
     let mut rng = Pcg64Mcg::seed_from_u64(5);
     let scattered: Vec<Vec3> =
         (0..3000).flat_map(|_| [vector(&mut rng); 3].map(|c| c + 0.05 * vector(&mut rng))).collect();
@@ -367,14 +368,14 @@ fn a_tree_in_parts_hits_what_a_whole_one_hits() {
     for mesh in [soup(scattered), sphere, repeated] {
         let whole = Bvh::build(&mesh);
         for most in [1, 5, 100, mesh.len() - 1] {
-            let parts = Bvh::build_in_parts(&mesh, most);
-            assert_eq!(parts.len(), whole.len());
-            let levels = depth(&parts, parts.root);
-            assert!(levels <= depth(&whole, whole.root) + 16 && levels <= DEPTH, "{levels} levels of parts of {most}");
+            let chunks = Bvh::build_in_chunks(&mesh, most);
+            assert_eq!(chunks.len(), whole.len());
+            let levels = depth(&chunks, chunks.root);
+            assert!(levels <= depth(&whole, whole.root) + 16 && levels <= DEPTH, "{levels} levels of chunks of {most}");
             for _ in 0..6 {
                 let origin = 2.0 * vector(&mut rng);
                 let directions: Vec<Vec3> = (0..16).map(|_| vector(&mut rng) - origin).collect();
-                agree(&parts, origin, &directions);
+                agree(&chunks, origin, &directions);
                 let bits = |b: &Bvh| {
                     directions
                         .clone()
@@ -382,7 +383,7 @@ fn a_tree_in_parts_hits_what_a_whole_one_hits() {
                         .map(|direction| bits(b.nearest(&Ray { origin, direction }, f32::INFINITY)))
                         .collect::<Vec<_>>()
                 };
-                assert_eq!(bits(&parts), bits(&whole));
+                assert_eq!(bits(&chunks), bits(&whole));
             }
         }
     }
@@ -393,11 +394,11 @@ fn a_tile_is_ordered_in_blocks() {
     let order = tile::order(32, 8);
     assert_eq!(order.len(), 256);
     for block in order.chunks(16) {
-        let (x, y) = block[0];
-        assert!(block.iter().all(|&(a, b)| (x..x + 4).contains(&a) && (y..y + 4).contains(&b)), "{block:?}");
+        let UVec2 { x, y } = block[0];
+        assert!(block.iter().all(|at| (x..x + 4).contains(&at.x) && (y..y + 4).contains(&at.y)), "{block:?}");
     }
     let mut odd = tile::order(5, 3);
-    odd.sort_unstable_by_key(|&(x, y)| (y, x));
-    assert!(odd.into_iter().eq((0..3).flat_map(|y| (0..5).map(move |x| (x, y)))));
+    odd.sort_unstable_by_key(|at| (at.y, at.x));
+    assert!(odd.into_iter().eq((0..3).flat_map(|y| (0..5).map(move |x| UVec2::new(x, y)))));
     assert!(tile::order(0, 7).is_empty());
 }

@@ -1,15 +1,15 @@
-//! The rays of a tile of pixels: they start in one point, the camera's centre, and run nearly side by side.
+//! Casts the rays of a tile of pixels: they start in one point, the camera's centre, and run nearly side by side.
 
-use glam::Vec3;
+use glam::{UVec2, Vec3};
 
-use super::Bvh;
+use super::bvh::Bvh;
 use super::packet::{LANES, Packet};
 use super::ray::{Course, Hit, Ray};
 
-/// Casts rays from `origin` (relative to the mesh's origin): `hits[i]` becomes what [`Bvh::nearest`] finds, to any
-/// distance, along `directions[i]`, to the bit; [`Hit::MISS`] if that is nothing, and for a direction that is zero or no
-/// number. Sixteen directions after another go together, so it is fastest where they are neighbours: give the pixels of a
-/// tile in the order of [`order`]. Of two slices of different length, the longer one's rest is left alone.
+/// Casts rays from `origin` (relative to the mesh's origin): `hits[i]` becomes the hit that [`Bvh::nearest`] finds along
+/// `directions[i]`, to any distance and to the bit; [`Hit::MISS`] if there is none, or if the direction is zero or NaN.
+/// Sixteen directions after another go together, so casting is fastest where they are neighbours: give the pixels of a
+/// tile in the order of [`order`]. Where one slice is longer than the other, its rest is left alone.
 pub fn cast(bvh: &Bvh, origin: Vec3, directions: &[Vec3], hits: &mut [Hit]) {
     for (directions, hits) in directions.chunks(LANES).zip(hits.chunks_mut(LANES)) {
         cast_few(bvh, origin, directions, hits);
@@ -44,11 +44,11 @@ fn cast_few(bvh: &Bvh, origin: Vec3, directions: &[Vec3], hits: &mut [Hit]) {
     }
 }
 
-/// The pixels (column, row) of a `width` by `height` tile along Morton's curve (1966), so that any sixteen, aligned, that
-/// lie inside are a block of 4 by 4. Every pixel comes once.
-pub fn order(width: u32, height: u32) -> Vec<(u32, u32)> {
-    let mut pixels: Vec<(u32, u32)> = (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).collect();
-    pixels.sort_unstable_by_key(|&(x, y)| spread(x) | spread(y) << 1);
+/// The pixels of a `width` by `height` tile along Morton's curve (1966), so that any sixteen, aligned, that lie inside are
+/// a block of 4 by 4. Every pixel comes once.
+pub fn order(width: u32, height: u32) -> Vec<UVec2> {
+    let mut pixels: Vec<UVec2> = (0..height).flat_map(|y| (0..width).map(move |x| UVec2::new(x, y))).collect();
+    pixels.sort_unstable_by_key(|at| spread(at.x) | spread(at.y) << 1);
     pixels
 }
 

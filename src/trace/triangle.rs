@@ -10,6 +10,7 @@
 use bytemuck::{Pod, Zeroable};
 
 use super::ray::Course;
+use crate::base::convert::to_f32;
 use crate::base::ids::TriangleId;
 
 /// A triangle as leaves hold it, in scaled coordinates: 40 bytes.
@@ -18,7 +19,7 @@ use crate::base::ids::TriangleId;
 pub(super) struct Packed {
     /// Vertices 0, 1, 2.
     pub corners: [[f32; 3]; 3],
-    /// Its position in the file.
+    /// The triangle's position in the file.
     pub id: TriangleId,
 }
 
@@ -56,9 +57,9 @@ pub(super) fn meet([a, b, c]: Sheared, depth: f32) -> Option<Meeting> {
         return None;
     }
     let sum = u + v + w;
-    let t = ((u * a[2] + v * b[2] + w * c[2]) / sum / f64::from(depth)) as f32;
+    let t = to_f32((u * a[2] + v * b[2] + w * c[2]) / sum / f64::from(depth));
     // A ray in the triangle's plane has sum = 0, so that t is no number, and misses.
-    (t > 0.0 && t < f32::INFINITY).then(|| Meeting { t, u: (v / sum) as f32, v: (w / sum) as f32 })
+    (t > 0.0 && t < f32::INFINITY).then(|| Meeting { t, u: to_f32(v / sum), v: to_f32(w / sum) })
 }
 
 /// The meeting of one ray with one triangle.

@@ -9,10 +9,11 @@ use std::sync::Arc;
 use std::thread;
 use std::time::Duration;
 
-use gonio::codec::colmap::{self, Encoding};
-use gonio::codec::image::write_jpeg;
-use gonio::scene::camera::{Camera, Model};
-use gonio::scene::frame::Frame;
+use gonio::internals::codec::images::write_jpeg;
+use gonio::internals::codec::poses::colmap::{self, Encoding};
+use gonio::internals::codec::poses::{self, COLMAP};
+use gonio::internals::scene::camera::{Camera, Lens};
+use gonio::internals::scene::frame::Frame;
 use image::{Rgb, Rgb32FImage};
 use tempfile::TempDir;
 
@@ -30,10 +31,10 @@ const MIB: u64 = 1 << 20;
 fn city_seen(frames: usize, (width, height): (u32, u32), ending: &str, shot: impl FnOnce(&Path)) -> TempDir {
     let dir = city();
     let (model, images) = (dir.path().join("sparse/0"), dir.path().join("images"));
-    let posed = colmap::read_model(&model).unwrap();
+    let posed = poses::read(&COLMAP, &model).unwrap();
     let centre = [f64::from(width) / 2.0, f64::from(height) / 2.0];
-    let lens = Model::pinhole([f64::from(width) * 0.15; 2].into(), centre.into());
-    let camera: Arc<Camera> = Camera { width, height, model: lens }.into();
+    let lens = Lens::pinhole([f64::from(width) * 0.15; 2].into(), centre.into());
+    let camera: Arc<Camera> = Camera { width, height, lens }.into();
     let first = images.join(format!("00.{ending}"));
     shot(&first);
     let frame = |k: usize| {
@@ -83,7 +84,7 @@ fn watched(child: &mut Child) -> u64 {
     let status = format!("/proc/{}/status", child.id());
     let mut peak = 0;
     while child.try_wait().unwrap().is_none() {
-        let held = fs::read_to_string(&status).ok().as_deref().and_then(gonio::base::memory::anonymous);
+        let held = fs::read_to_string(&status).ok().as_deref().and_then(gonio::internals::base::memory::anonymous);
         peak = peak.max(held.unwrap_or(0));
         thread::sleep(LOOK);
     }
@@ -139,11 +140,11 @@ fn a_mesh_that_does_not_fit_is_refused_before_it_is_read() {
 fn a_frame_that_does_not_fit_is_skipped_until_it_does() {
     let dir = city();
     let (model, large) = (dir.path().join("sparse/0"), "frame_004.hdr");
-    let mut frames = colmap::read_model(&model).unwrap();
+    let mut frames = poses::read(&COLMAP, &model).unwrap();
     let (width, height) = (5000, 4000);
     let lens =
-        Model::pinhole([f64::from(width) * 0.15; 2].into(), [f64::from(width) / 2.0, f64::from(height) / 2.0].into());
-    frames[4] = Frame { name: large.into(), camera: Camera { width, height, model: lens }.into(), ..frames[4].clone() };
+        Lens::pinhole([f64::from(width) * 0.15; 2].into(), [f64::from(width) / 2.0, f64::from(height) / 2.0].into());
+    frames[4] = Frame { name: large.into(), camera: Camera { width, height, lens }.into(), ..frames[4].clone() };
     colmap::write_model(&model, &frames, Encoding::Binary).unwrap();
     Rgb32FImage::from_pixel(width, height, Rgb([0.2, 0.3, 0.4])).save(dir.path().join("images").join(large)).unwrap();
     let gonio = |command: &str, work: &str, memory: &str| {
@@ -158,7 +159,7 @@ fn a_frame_that_does_not_fit_is_skipped_until_it_does() {
         .says("downscale");
     gonio("run p.toml", "work", "200MiB").ends(3).says("10 (0 cast, 10 from before, 1 skipped)");
     gonio("maps p.toml --triangles 1 --out m.npz", "work", "200MiB").ends(0);
-    // With memory for it, its group is done again, and the result is that of a run that had it all along.
+    // With memory for it, its group is done over, and the result is that of a run that had it all along.
     gonio("explain p.toml", "work", "1GiB").ends(0).says("frames         2 of 10").says("frame_004.hdr fits");
     gonio("run p.toml", "work", "1GiB").ends(0).says("10 (2 cast, 8 from before, 0 skipped)");
     gonio("run p.toml", "fresh", "1GiB").ends(0);

@@ -4,7 +4,8 @@ use std::fs::{self, File};
 use std::path::Path;
 use std::time::SystemTime;
 
-use gonio::codec::colmap::{self, Encoding};
+use gonio::internals::codec::poses::colmap::{self, Encoding};
+use gonio::internals::codec::poses::{self, COLMAP};
 use tempfile::TempDir;
 
 use crate::files::{city, outputs};
@@ -42,11 +43,12 @@ fn a_touched_file_is_the_same_file() {
         let file = File::options().write(true).open(dir.path().join(file)).unwrap();
         file.set_modified(SystemTime::UNIX_EPOCH).unwrap();
     }
-    explain(&dir, "").says("nothing is done again");
+    explain(&dir, "").says("nothing is done over");
     let written = |name: &str| fs::metadata(dir.path().join("work").join(name)).unwrap().modified().unwrap();
-    let before = ["materials.npy", "export/scene.glb", "manifest.json"].map(written);
+    let names = ["materials.npy", "export/scene.glb", "units"];
+    let before = names.map(written);
     run(&dir, "work", "").says("10 (0 cast, 10 from before").says("2 (0 inferred, 2 from before)");
-    assert_eq!(["materials.npy", "export/scene.glb", "manifest.json"].map(written), before);
+    assert_eq!(names.map(written), before);
 }
 
 #[test]
@@ -55,7 +57,7 @@ fn one_image_takes_its_group_and_new_frames_take_none() {
     tiny(&dir);
     let images = dir.path().join("images");
     let model = dir.path().join("sparse/0");
-    let all = colmap::read_model(&model).unwrap();
+    let all = poses::read(&COLMAP, &model).unwrap();
     // Frames 2 and 7 come later, in the midst of the others.
     let few: Vec<_> = all.iter().enumerate().filter(|(i, _)| ![2, 7].contains(i)).map(|(_, f)| f.clone()).collect();
     colmap::write_model(&model, &few, Encoding::Binary).unwrap();
@@ -85,16 +87,16 @@ fn a_setting_takes_what_depends_on_it() {
     tiny(&dir);
     run(&dir, "work", "");
     for (sets, words, frames, shards) in [
-        ("--set run.threads=1 --set cast.tile=64 --set gather.group=5", "nothing is done again", 0, 0),
+        ("--set run.threads=1 --set cast.tile=64 --set gather.group=5", "nothing is done over", 0, 0),
         ("--set infer.model=set4.onnx", "infer.model changed", 0, 2),
-        ("--set infer.model=conv4.onnx --set merge.min_bins=4", "merge.min_bins was 1 and is 4", 0, 2),
+        ("--set infer.model=conv4.onnx --set infer.min_bins=4", "infer.min_bins was 1 and is 4", 0, 2),
         ("--set merge.fill=false", "merge.fill was true and is false", 0, 2),
-        ("--set export.up=[0,1,0]", "export.up was [0.0, 0.0, 1.0] and is [0.0, 1.0, 0.0]", 0, 0),
+        ("--set scene.up=[0,1,0]", "scene.up was [0.0, 0.0, 1.0] and is [0.0, 1.0, 0.0]", 0, 0),
         ("--set decode.transfer=linear", "decode.transfer was", 10, 2),
     ] {
         explain(&dir, sets).says(words);
         let ran = run(&dir, "work", sets);
         ran.says(&format!("10 ({frames} cast")).says(&format!("2 ({shards} inferred"));
-        explain(&dir, sets).says("nothing is done again");
+        explain(&dir, sets).says("nothing is done over");
     }
 }

@@ -123,23 +123,23 @@ fn a_run_that_is_killed_while_it_makes_the_scene_cache_goes_on_to_the_same_bytes
     let args = |work: &str| format!("run p.toml {SETS} --set run.work={work}");
     Ran::gonio(dir.path(), &args("whole")).ends(0);
     let (work, whole) = (dir.path().join("work"), dir.path().join("whole"));
-    let caches = || {
+    let caches = |work: &Path| {
         let entries = fs::read_dir(work.join("scene")).into_iter().flatten().flatten();
         entries.map(|e| e.file_name().into_string().unwrap()).collect::<Vec<_>>()
     };
     let killed = (0..40).any(|_| {
         fs::remove_dir_all(&work).unwrap_or_default();
         let mut run = start(&dir, &args("work"));
-        while caches().is_empty() && run.try_wait().unwrap().is_none() {}
+        while caches(&work).is_empty() && run.try_wait().unwrap().is_none() {}
         run.kill().unwrap();
         run.wait().unwrap();
-        caches().iter().any(|name| name.contains("gonio-tmp"))
+        caches(&work).iter().any(|name| name.contains("gonio-tmp"))
     });
     assert!(killed, "no run was killed while it made the cache");
     Ran::gonio(dir.path(), &args("work")).ends(0);
     assert!(outputs(&work) == outputs(&whole));
-    assert!(caches().iter().all(|name| !name.contains("gonio-tmp")), "rubbish is left");
-    let cache = |work: &Path| fs::read(work.join("scene").join(&caches()[0])).unwrap();
+    assert!(caches(&work).iter().all(|name| !name.contains("gonio-tmp")), "rubbish is left");
+    let cache = |work: &Path| fs::read(work.join("scene").join(&caches(work)[0])).unwrap();
     assert!(cache(&work) == cache(&whole));
 }
 
@@ -154,8 +154,8 @@ fn an_interrupted_run_commits_what_is_in_flight_and_goes_on() {
     let mut stopped = 0;
     for _ in 0..40 {
         let mut run = start(&dir, &args("work"));
-        // As soon as the manifest names a unit: in the midst of the work.
-        let seen = |work: &Path| fs::metadata(work.join("manifest.json")).ok().and_then(|m| m.modified().ok());
+        // As soon as a unit is done: in the midst of the work.
+        let seen = |work: &Path| fs::read_dir(work.join("units")).map_or(0, Iterator::count);
         let before = seen(&work);
         while seen(&work) == before && run.try_wait().unwrap().is_none() {
             sleep(Duration::from_millis(1));
@@ -177,7 +177,7 @@ fn an_interrupted_run_commits_what_is_in_flight_and_goes_on() {
 fn a_second_run_on_the_same_folder_is_refused() {
     let dir = scene();
     let args = format!("run p.toml {SETS} --set run.work=work");
-    let lock = gonio::disk::Lock::acquire(dir.path().join("work")).unwrap();
+    let lock = gonio::internals::disk::Lock::acquire(dir.path().join("work")).unwrap();
     let id = format!("in use by process {}", std::process::id());
     Ran::gonio(dir.path(), &args).ends(1).says(&id);
     drop(lock);

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use gonio::codec::npy;
+use gonio::internals::codec::tables::npy;
 use tempfile::TempDir;
 
 use crate::files::{city, outputs};

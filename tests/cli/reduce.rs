@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use exr::prelude::{FlatSamples, read_first_flat_layer_from_file};
-use gonio::codec::image::write_png;
+use gonio::internals::codec::images::write_png;
 use tempfile::TempDir;
 
 use crate::files::{city, outputs};
@@ -47,6 +47,6 @@ fn only_what_changed_is_inferred_again() {
     // Filling is done with the tables alone; how many bins are enough decides what is inferred.
     let filled = run(&dir, "work", "scene.masks=masks merge.fill=false");
     filled.says("10 (0 cast, 10 from before").says("2 (0 inferred, 2 from before)");
-    let fewer = run(&dir, "work", "scene.masks=masks merge.min_bins=2");
+    let fewer = run(&dir, "work", "scene.masks=masks infer.min_bins=2");
     fewer.says("10 (0 cast, 10 from before").says("2 (2 inferred, 0 from before)");
 }

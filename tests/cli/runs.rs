@@ -3,9 +3,10 @@
 use std::fs;
 
 use glam::DVec3;
-use gonio::codec::colmap::{self, Encoding};
-use gonio::codec::ply;
-use gonio::scene::Mesh;
+use gonio::internals::codec::meshes::{self, ply};
+use gonio::internals::codec::poses::colmap::{self, Encoding};
+use gonio::internals::codec::poses::{self, COLMAP};
+use gonio::internals::scene::Mesh;
 use tempfile::TempDir;
 
 use crate::files::{city, outputs, pipelines, report};
@@ -40,7 +41,7 @@ fn the_order_of_frames_does_not_change_a_byte() {
     run(&dir, "ordered", "gather.group=4", 0);
     // Frames go by name: other names are another order, and other groups.
     let model = dir.path().join("sparse/0");
-    let mut frames = colmap::read_model(&model).unwrap();
+    let mut frames = poses::read(&COLMAP, &model).unwrap();
     for (k, frame) in frames.iter_mut().enumerate() {
         let name = format!("{:03}.jpg", (k * 7 + 3) % 10);
         fs::rename(dir.path().join("images").join(&frame.name), dir.path().join("images").join(&name)).unwrap();
@@ -80,7 +81,7 @@ fn bad_frames_are_skipped_listed_and_made_up_for() {
 fn poses_that_see_nothing_of_the_mesh_are_told_of() {
     let dir = city();
     let mesh = dir.path().join("mesh.ply");
-    let city = ply::read_mesh(&mesh).unwrap();
+    let city = meshes::read(&mesh, &|_| Ok(())).unwrap();
     let moved: Vec<_> = city.positions.iter().map(|p| p.as_dvec3() + city.origin + DVec3::X * 1e6).collect();
     let mut out = Vec::new();
     ply::write_mesh(&mut out, &Mesh::new(&moved, city.triangles.to_vec()).unwrap(), &[]).unwrap();
@@ -91,7 +92,7 @@ fn poses_that_see_nothing_of_the_mesh_are_told_of() {
 #[test]
 fn an_obj_is_the_same_scene_as_a_ply() {
     let dir = city();
-    let mesh = ply::read_mesh(&dir.path().join("mesh.ply")).unwrap();
+    let mesh = meshes::read(&dir.path().join("mesh.ply"), &|_| Ok(())).unwrap();
     let vertices =
         mesh.positions.iter().map(|p| p.as_dvec3() + mesh.origin).map(|p| format!("v {} {} {}", p.x, p.y, p.z));
     let faces = mesh.triangles.iter().map(|t| format!("f {} {} {}", t[0] + 1, t[1] + 1, t[2] + 1));
@@ -133,8 +134,8 @@ fn a_finished_run_can_be_looked_into() {
 #[test]
 fn triangles_that_were_not_seen_stay_empty_if_asked() {
     let dir = city();
-    run(&dir, "work", "merge.fill=false merge.min_bins=3", 0).says("without a material");
-    let rows = gonio::codec::npy::read_rows::<7>(&dir.path().join("work/materials.npy")).unwrap();
+    run(&dir, "work", "merge.fill=false infer.min_bins=3", 0).says("without a material");
+    let rows = gonio::internals::codec::tables::npy::read_rows::<7>(&dir.path().join("work/materials.npy")).unwrap();
     let said = report(&dir.path().join("work"));
     let empty = rows.iter().filter(|row| row.iter().all(|v| v.is_nan())).count();
     assert_eq!(said["triangles"]["empty"], empty);

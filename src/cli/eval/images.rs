@@ -2,18 +2,17 @@
 
 use std::path::{Path, PathBuf};
 
-use clap::{Args, ValueEnum};
+use clap::ValueEnum;
 use serde_json::{Value, json};
 
-use crate::base::Result;
-use crate::cli::Ending;
-use crate::cli::report::Lines;
-use crate::pipeline::pairs::{self, Compared, compare};
+use crate::after::{self, Compared, Pair, Unpaired, compare};
+use crate::cli::ending::{Answer, Ending};
+use crate::cli::print::{Lines, out};
 use crate::render::pictures::PictureErrors;
 
 /// Options of `eval images`.
-#[derive(Debug, Args)]
-pub struct Images {
+#[derive(Debug, clap::Args)]
+pub(crate) struct Args {
     /// The truth: a picture, or a folder of them. Where alpha is 0 or a value is not finite, nothing is compared
     #[arg(value_name = "A")]
     truth: PathBuf,
@@ -38,28 +37,26 @@ enum Space {
     Srgb,
 }
 
-impl From<Space> for pairs::Space {
+impl From<Space> for after::ColorSpace {
     fn from(space: Space) -> Self {
         match space {
-            Space::Linear => pairs::Space::Linear,
-            Space::Srgb => pairs::Space::Srgb,
+            Space::Linear => after::ColorSpace::Linear,
+            Space::Srgb => after::ColorSpace::Srgb,
         }
     }
 }
 
-/// Measures it, and gives the table.
-///
-/// # Errors
-/// Nothing that can be compared.
-pub fn images(options: &Images) -> Result<(String, Ending)> {
+/// Compares pictures and shows the table.
+pub(super) fn images(options: &Args) -> Answer {
     let compared = compare(&options.truth, &options.found, options.space.into())?;
     let text = if options.json { as_json(&compared, options.space) } else { as_table(&compared, options.space) };
-    Ok((text, if compared.skipped.is_empty() { Ending::Done } else { Ending::Skipped }))
+    out(&text);
+    Ok(if compared.skipped.is_empty() { Ending::Done } else { Ending::Skipped })
 }
 
 fn as_table(compared: &Compared, space: Space) -> String {
     let mut lines = Lines::default();
-    for (name, why) in &compared.skipped {
+    for Unpaired { name, why } in &compared.skipped {
         lines.add(format!("skipped {}: {why}", name.display()));
     }
     let values = match space {
@@ -68,11 +65,11 @@ fn as_table(compared: &Compared, space: Space) -> String {
     };
     lines.add(format!("errors of {values}, clipped to [0, 1]; PSNR in dB"));
     lines.add(format!("{:34}{:>8}{:>9}{:>9}{:>9}{:>12}", "", "PSNR", "NRMSE", "DSSIM", "MAE", "pixels"));
-    for (name, errors) in &compared.pictures {
+    for Pair { name, errors } in &compared.pairs {
         lines.add(line(&name.display().to_string(), errors));
     }
-    if compared.pictures.len() > 1 {
-        lines.add(line(&format!("all {} together", compared.pictures.len()), &compared.all));
+    if compared.pairs.len() > 1 {
+        lines.add(line(&format!("all {} together", compared.pairs.len()), &compared.all));
     }
     let missing = compared.all.pixels.missing;
     if missing > 0 {
@@ -88,15 +85,15 @@ fn line(name: &str, errors: &PictureErrors) -> String {
 }
 
 fn as_json(compared: &Compared, space: Space) -> String {
-    let named = |(name, errors): &(PathBuf, PictureErrors)| {
+    let named = |Pair { name, errors }: &Pair| {
         let mut row = figures(errors);
         row["name"] = json!(shown(name));
         row
     };
-    let skipped = |(name, why): &(PathBuf, String)| json!({ "name": shown(name), "why": why });
+    let skipped = |Unpaired { name, why }: &Unpaired| json!({ "name": shown(name), "why": why });
     json!({
         "space": match space { Space::Linear => "linear", Space::Srgb => "srgb" },
-        "pictures": compared.pictures.iter().map(named).collect::<Vec<_>>(),
+        "pictures": compared.pairs.iter().map(named).collect::<Vec<_>>(),
         "all": figures(&compared.all),
         "skipped": compared.skipped.iter().map(skipped).collect::<Vec<_>>(),
     })

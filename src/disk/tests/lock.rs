@@ -1,4 +1,4 @@
-//! The lock: held by one, named to the other, gone with its process.
+//! The lock: one process holds it, the other is told which, and it ends with its process.
 
 use std::fs;
 use std::io::{BufRead, BufReader};

@@ -1,4 +1,4 @@
-//! One suite of plain functions for every store, then files mangled by hand and opened again.
+//! One suite of plain functions for every store, then files that are mangled by hand and opened again.
 
 use std::io::Write;
 use std::sync::Arc;
@@ -6,8 +6,11 @@ use std::sync::Arc;
 use super::{DirStore, FileEntry, MemStore, Store};
 
 mod atomic;
+mod faults;
+mod frozen;
+mod ledger;
 mod lock;
-mod manifest;
+mod race;
 mod sealed;
 mod store;
 
@@ -25,7 +28,7 @@ fn put(store: &dyn Store, name: &str, bytes: &[u8]) -> FileEntry {
     draft.commit().unwrap()
 }
 
-/// Puts other bytes in a file's place, as nothing but a fault does.
+/// Puts other bytes in a file's place, as only a fault does.
 fn mangle(store: &dyn Store, name: &str, bytes: &[u8]) {
     let mut draft = store.create(name).unwrap();
     draft.write_all(bytes).unwrap();

@@ -1,4 +1,4 @@
-//! Seals: every way to mangle a file is found out, in words.
+//! Seals: every mangled file is refused, in words.
 
 use std::io::Write;
 
@@ -78,9 +78,9 @@ fn refusals_say_what_was_found() {
         seal(&*store, "a", b"body");
         let newer = Seal { version: 4, ..SEAL };
         let why = newer.open(&*store, "a").unwrap_err().to_string();
-        assert!(
-            why.ends_with("a: test file of version 3; this gonio reads version 4: remove it to have it made again")
-        );
+        assert!(why.ends_with(
+            "a: test file of version 3; this gonio reads version 4: remove the file, and the next run makes it again"
+        ));
         let other = Seal { magic: *b"GONIOXYZ", kind: "scene cache", ..SEAL };
         let why = other.open(&*store, "a").unwrap_err().to_string();
         assert!(why.contains(r#"ends in "GONIOTST", but a scene cache ends in "GONIOXYZ""#), "{why}");

@@ -1,20 +1,23 @@
-//! What every store must do, and what only a folder can get wrong.
+//! The rules of every store, then the ones that only a folder can break.
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::io::Write;
+use std::sync::Arc;
 
 use super::{mangle, on_each_store, put};
-use crate::disk::store::check_name;
-use crate::disk::{DirStore, Store};
+use crate::disk::faulty::{Fault, FaultyStore};
+use crate::disk::names::check_name;
+use crate::disk::{Committed, DirStore, MemStore, Store};
 
 #[test]
 fn what_is_committed_is_read_back() {
     on_each_store(|store| {
-        let large: Vec<u8> = (0..1_000_003u32).map(|n| (n % 251) as u8).collect();
+        let large: Vec<u8> = (0..1_000_003u32).map(|n| n.to_le_bytes()[0]).collect();
         for (name, bytes) in [("a", &b""[..]), ("b/c.seg", b"xyz"), ("b/d/e", &large)] {
             let entry = put(&*store, name, bytes);
             assert_eq!((entry.name.as_str(), entry.bytes), (name, bytes.len() as u64));
-            assert_eq!(entry.checksum, blake3::hash(bytes).to_hex().as_str());
+            assert_eq!(entry.checksum.to_string(), blake3::hash(bytes).to_hex().as_str());
             assert_eq!(&*store.open(name).unwrap(), bytes);
             assert_eq!(&*entry.verify(&*store).unwrap(), bytes);
             assert_eq!(store.size(name).unwrap(), Some(bytes.len() as u64));
@@ -47,7 +50,7 @@ fn files_are_written_once_or_replaced_whole() {
         let mut second = store.create("a").unwrap();
         second.write_all(b"second").unwrap();
         let why = second.commit().unwrap_err().to_string();
-        assert!(why.contains("it is there already"), "{why}");
+        assert!(why.contains("the file exists, and is written only once"), "{why}");
         let old = store.open("a").unwrap();
         assert_eq!(&*old, b"first");
         mangle(&*store, "a", b"third");
@@ -69,6 +72,50 @@ fn two_drafts_of_one_name_do_not_mix() {
         assert!(b.commit().is_err());
         assert_eq!(&*store.open("x").unwrap(), b"aaaa");
     });
+}
+
+#[test]
+fn the_first_of_two_files_keeps_the_name() {
+    on_each_store(|store| {
+        let (mut first, mut second) = (store.create("d/x").unwrap(), store.create("d/x").unwrap());
+        first.write_all(b"first").unwrap();
+        second.write_all(b"second!").unwrap();
+        let (entry, committed) = first.commit_first().unwrap();
+        assert_eq!((entry.bytes, committed), (5, Committed::Now));
+        let (entry, committed) = second.commit_first().unwrap();
+        assert_eq!((entry.bytes, committed), (7, Committed::Already));
+        assert_eq!(&*store.open("d/x").unwrap(), b"first");
+        assert_eq!(store.read("d/x").unwrap(), b"first");
+        store.sync("d").unwrap();
+        store.sync("none").unwrap();
+        assert!(store.sweep().unwrap().is_empty(), "no temporary file is left");
+    });
+}
+
+#[test]
+fn one_of_many_threads_gets_a_name() {
+    on_each_store(|store| {
+        for round in 0..20 {
+            let name = format!("x{round}");
+            let drafts: Vec<_> = (0..4).map(|_| store.create(&name).unwrap()).collect();
+            let won = std::thread::scope(|scope| {
+                let threads: Vec<_> = drafts.into_iter().map(|draft| scope.spawn(|| draft.commit().is_ok())).collect();
+                threads.into_iter().map(|thread| thread.join().unwrap()).filter(|won| *won).count()
+            });
+            assert_eq!(won, 1);
+        }
+    });
+}
+
+#[test]
+fn an_attempt_is_short_and_fresh_and_shared_by_clones() {
+    let stores: Vec<DirStore> = (0..100).map(|_| DirStore::new("x")).collect();
+    let attempts: BTreeSet<&str> = stores.iter().map(Store::attempt).collect();
+    assert_eq!(attempts.len(), 100);
+    assert!(attempts.iter().all(|attempt| attempt.len() == 16 && check_name(attempt).is_ok()), "{attempts:?}");
+    assert_eq!(stores[0].clone().attempt(), stores[0].attempt());
+    let memory: Arc<dyn Store> = Arc::new(MemStore::new());
+    assert_eq!(FaultyStore::new(Arc::clone(&memory), 0, Fault::Killed).attempt(), "memory");
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! Bounds: how far a source gets while the fold takes nothing.
+//! Bounds: the number of items that a source makes while the fold takes none.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -9,8 +9,8 @@ use super::mock::{Each, From, Gather, pass};
 use super::within_watchdog;
 use crate::flow::{Flow, Outlet, StopSignal, pool};
 
-/// Runs a flow whose fold stands still at its first item; says how many items the source has made when all stand
-/// still, and how many are then waiting in the queues.
+/// Runs a flow whose fold stops at its first item, and waits until all stages stop: the number of items that the source
+/// has made by then, and the numbers of items in the queues.
 fn made_while_the_fold_stands(workers: usize, queues: [usize; 2], per_item: u64, expected: u64) -> (u64, [usize; 2]) {
     within_watchdog(move || {
         let made = Arc::new(AtomicU64::new(0));

@@ -1,67 +1,80 @@
-//! The budget: what is given, what is refused and in which words, and that nobody waits for ever.
+//! The budget: which requests are met, which are refused and in which words, and that nobody waits for ever.
 
-use std::thread::sleep;
+use std::thread::{JoinHandle, sleep, yield_now};
 use std::time::Duration;
 
 use super::within_watchdog;
+use crate::base::Result;
 use crate::base::units::Bytes;
-use crate::flow::{Budget, StopSignal};
+use crate::flow::{Budget, Reservation, StopSignal};
 
 fn budget(total: u64) -> Budget {
     Budget::new(Bytes(total), &StopSignal::new())
 }
 
+/// Reserves on another thread, and waits until that thread waits.
+fn waiting(budget: &Budget, who: &'static str, bytes: u64) -> JoinHandle<Result<Reservation>> {
+    let before = budget.waiting();
+    let inner = budget.clone();
+    let waiter = std::thread::spawn(move || inner.reserve(who, bytes));
+    while budget.waiting() == before {
+        yield_now();
+    }
+    waiter
+}
+
 #[test]
-fn what_is_given_and_refused() {
-    // (total, already held, asked, given)
-    let table = [
-        (100, 0, 100, true),
-        (100, 0, 101, false),
-        (100, 60, 40, true),
-        (100, 60, 41, false),
-        (100, 100, 0, true),
-        (0, 0, 0, true),
-        (0, 0, 1, false),
-        (u64::MAX, u64::MAX - 1, u64::MAX, false),
-        (u64::MAX, u64::MAX - 1, 1, true),
-    ];
-    for (total, held, asked, given) in table {
-        let budget = budget(total);
-        let first = budget.try_reserve("first", held).unwrap();
-        let second = budget.try_reserve("second", asked);
-        assert_eq!(second.is_ok(), given, "{asked} of {total}, {held} held");
-        assert_eq!(budget.used(), held + if given { asked } else { 0 });
-        drop((first, second));
-        assert_eq!((budget.used(), budget.holders().len()), (0, 0));
+fn what_is_free_is_given_at_once() {
+    // (total, already held, asked)
+    let table = [(100, 0, 100), (100, 60, 40), (100, 100, 0), (0, 0, 0), (u64::MAX, u64::MAX - 1, 1)];
+    for (total, held, asked) in table {
+        within_watchdog(move || {
+            let budget = budget(total);
+            let first = budget.reserve("first", held).unwrap();
+            let second = budget.reserve("second", asked).unwrap();
+            assert_eq!((second.bytes(), budget.used(), budget.left()), (asked, held + asked, total - held - asked));
+            drop((first, second));
+            assert_eq!((budget.used(), budget.left(), budget.peak()), (0, total, held + asked));
+        });
     }
 }
 
 #[test]
-fn a_refusal_says_who_and_how_much() {
-    let budget = budget(4 << 20);
-    let mut gather = budget.try_reserve("gather", 3 << 20).unwrap();
-    let refusal = gather.grow(2 << 20).unwrap_err();
-    let said = "gather asked for 2 MiB of memory and holds 3 MiB; of 4 MiB in all, 1 MiB are left";
-    assert_eq!(refusal.to_string(), said);
-    assert_eq!(gather.bytes(), 3 << 20, "a refused holder holds what it held");
-    assert_eq!(crate::base::Error::from(refusal).to_string(), format!("{said}: raise `[run] memory`"));
+fn what_is_not_free_is_waited_for() {
+    for (total, held, asked) in [(100, 60, 41), (100, 1, 100), (u64::MAX, u64::MAX - 1, u64::MAX)] {
+        within_watchdog(move || {
+            let budget = budget(total);
+            let first = budget.reserve("first", held).unwrap();
+            let second = waiting(&budget, "second", asked);
+            assert_eq!(budget.used(), held);
+            drop(first);
+            assert_eq!(second.join().unwrap().unwrap().bytes(), asked);
+        });
+    }
 }
 
 #[test]
-fn reservations_grow_shrink_and_are_given_back() {
+fn reservations_shrink_and_are_given_back() {
     let budget = budget(100);
-    let mut a = budget.reserve("a", 10).unwrap();
-    a.grow(50).unwrap();
-    assert_eq!(budget.holders(), [("a".to_owned(), 60)]);
+    let mut a = budget.reserve("a", 60).unwrap();
     a.shrink(20);
+    assert_eq!((a.bytes(), budget.used()), (40, 40));
     a.shrink(1000);
     assert_eq!((a.bytes(), budget.used(), budget.peak()), (0, 0, 60));
 }
 
 #[test]
 fn more_than_all_is_an_error_and_no_hang() {
-    let why = within_watchdog(|| budget(100).reserve("batch", 101).unwrap_err());
-    assert!(why.to_string().starts_with("batch asked for 101 B of memory and holds 0 B; of 100 B in all"), "{why}");
+    let why = within_watchdog(|| budget(100).reserve("batch", 101).unwrap_err()).to_string();
+    assert_eq!(why, "batch needs 101 B of memory, and the whole run has 100 B: raise `[run] memory`");
+}
+
+#[test]
+fn a_refusal_says_who_and_how_much() {
+    let budget = budget(4 << 20);
+    let _held = budget.reserve("process", 3 << 20).unwrap();
+    let why = budget.missing("cast", 2 << 20).to_string();
+    assert_eq!(why, "cast needs 3 MiB of memory, and only 1 MiB is left: raise `[run] memory` by at least 2 MiB");
 }
 
 #[test]
@@ -69,32 +82,17 @@ fn those_who_wait_are_served_in_order() {
     within_watchdog(|| {
         let budget = budget(100);
         let mut all = budget.reserve("all", 100).unwrap();
-        let (done, order) = crossbeam_channel::unbounded();
-        let wait = |who: &'static str, bytes| {
-            let (asked, done) = (budget.clone(), done.clone());
-            let waiter = std::thread::spawn(move || {
-                let held = asked.reserve(who, bytes).unwrap();
-                done.send(who).unwrap();
-                held
-            });
-            // Until it stands in the queue.
-            while !budget.try_reserve("probe", 1).is_err_and(|r| r.waiting > usize::from(who == "small")) {
-                std::thread::yield_now();
-            }
-            waiter
-        };
-        let large = wait("large", 80);
-        let small = wait("small", 10);
+        let large = waiting(&budget, "large", 80);
         all.shrink(50);
+        let small = waiting(&budget, "small", 10);
+        assert_eq!(budget.reserve("nothing", 0).unwrap().bytes(), 0, "nothing is never waited for");
         sleep(Duration::from_millis(20));
-        assert!(order.is_empty(), "50 would do for the small one, but the large one came first");
-        let refusal = all.grow(1).unwrap_err();
-        assert!(refusal.to_string().ends_with("50 B are left and 2 wait for more"), "{refusal}");
+        assert_eq!(budget.waiting(), 2, "50 would do for the small one, but the large one came first");
         all.shrink(30);
-        let held = large.join().unwrap();
-        assert_eq!(order.recv().unwrap(), "large");
+        let held = large.join().unwrap().unwrap();
+        assert!(held.bytes() == 80 && budget.waiting() == 1);
         drop(all);
-        let small = small.join().unwrap();
+        let small = small.join().unwrap().unwrap();
         assert_eq!(budget.used(), held.bytes() + small.bytes());
     });
 }
@@ -105,15 +103,10 @@ fn a_halt_ends_a_wait_and_those_behind_move_up() {
         let stop = StopSignal::new();
         let budget = Budget::new(Bytes(10), &stop);
         let all = budget.reserve("all", 10).unwrap();
-        let waiters: Vec<_> = (0..4)
-            .map(|_| {
-                let budget = budget.clone();
-                std::thread::spawn(move || budget.reserve("waits", 5).is_err_and(|e| e.is_interrupt()))
-            })
-            .collect();
-        sleep(Duration::from_millis(10));
+        let waiters: Vec<_> = (0..4).map(|_| waiting(&budget, "waits", 5)).collect();
         stop.halt(crate::base::Error::Interrupted);
-        assert!(waiters.into_iter().all(|w| w.join().unwrap()));
+        assert!(waiters.into_iter().all(|waiter| waiter.join().unwrap().is_err_and(|why| why.is_interrupt())));
+        assert_eq!(budget.waiting(), 0);
         drop(all);
         assert_eq!(budget.used(), 0);
     });

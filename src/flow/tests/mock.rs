@@ -3,8 +3,8 @@
 use crate::base::Result;
 use crate::flow::{End, Fold, Map, Meter, Outlet, Source};
 
-/// A source that does what the closure does.
-pub struct From<F>(pub F);
+/// A source that calls the closure.
+pub(crate) struct From<F>(pub F);
 
 impl<F: FnOnce(&mut Outlet<'_, u64>) -> Result<()> + Send> Source for From<F> {
     type Out = u64;
@@ -15,17 +15,17 @@ impl<F: FnOnce(&mut Outlet<'_, u64>) -> Result<()> + Send> Source for From<F> {
 }
 
 /// 0, 1, 2 .. for ever.
-pub fn endless() -> From<impl FnOnce(&mut Outlet<'_, u64>) -> Result<()> + Send> {
+pub(crate) fn endless() -> From<impl FnOnce(&mut Outlet<'_, u64>) -> Result<()> + Send> {
     From(|out: &mut Outlet<'_, u64>| (0..).try_for_each(|n| out.send(n)))
 }
 
 /// 0 up to `n`.
-pub fn count(n: u64) -> From<impl FnOnce(&mut Outlet<'_, u64>) -> Result<()> + Send> {
+pub(crate) fn count(n: u64) -> From<impl FnOnce(&mut Outlet<'_, u64>) -> Result<()> + Send> {
     From(move |out: &mut Outlet<'_, u64>| (0..n).try_for_each(|n| out.send(n)))
 }
 
-/// A map that does what the closure does.
-pub struct Each<F>(pub F);
+/// A map that calls the closure.
+pub(crate) struct Each<F>(pub F);
 
 impl<F: Fn(u64, &mut Outlet<'_, u64>) -> Result<()> + Send + Sync> Map for Each<F> {
     type In = u64;
@@ -41,13 +41,13 @@ impl<F: Fn(u64, &mut Outlet<'_, u64>) -> Result<()> + Send + Sync> Map for Each<
     }
 }
 
-/// A map that passes all on.
-pub fn pass() -> Each<impl Fn(u64, &mut Outlet<'_, u64>) -> Result<()> + Send + Sync> {
+/// A map that passes all items on.
+pub(crate) fn pass() -> Each<impl Fn(u64, &mut Outlet<'_, u64>) -> Result<()> + Send + Sync> {
     Each(|n, out: &mut Outlet<'_, u64>| out.send(n))
 }
 
-/// A fold that does what the closure does with each item, and gives all items and how they ended.
-pub struct Gather<F>(pub F, pub Vec<u64>);
+/// A fold that calls the closure with each item, and gives all items and their end.
+pub(crate) struct Gather<F>(pub F, pub Vec<u64>);
 
 impl<F: FnMut(u64) -> Result<()> + Send> Fold for Gather<F> {
     type In = u64;
@@ -65,6 +65,6 @@ impl<F: FnMut(u64) -> Result<()> + Send> Fold for Gather<F> {
 }
 
 /// A fold that gives all items.
-pub fn gather() -> Gather<impl FnMut(u64) -> Result<()> + Send> {
+pub(crate) fn gather() -> Gather<impl FnMut(u64) -> Result<()> + Send> {
     Gather(|_| Ok(()), Vec::new())
 }

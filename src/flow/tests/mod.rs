@@ -1,4 +1,4 @@
-//! Flows of mock stages. Nothing here measures time, save the watchdog, which turns a hang into a failure.
+//! Flows of mock stages. Only the watchdog measures time: it turns a hang into a failure.
 
 use std::sync::mpsc;
 use std::thread;

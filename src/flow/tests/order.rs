@@ -39,7 +39,7 @@ fn order_is_kept_under_any_schedule() {
                         })
                     })
                 };
-                let queue = (seed % 3) as usize;
+                let queue = usize::try_from(seed % 3).unwrap();
                 let flow = Flow::source(&StopSignal::new(), "count", count(200))
                     .map("split", split(100), workers, queue)
                     .map("again", split(200), workers, queue + 1)

@@ -1,5 +1,5 @@
-//! Stopping: whoever fails, all threads join, and the first cause is what is reported. `Flow::run` joins its scope, so
-//! that it returns at all is the proof that every thread has.
+//! Stopping: whichever stage fails, all threads join, and the first cause is reported. `Flow::run` joins its scope: that
+//! it returns proves that every thread has ended.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -116,20 +116,21 @@ fn no_fold_finishes_on_half_an_input() {
 
 #[test]
 fn a_failing_scratch_is_a_cause() {
-    struct NoRoom;
-    impl crate::flow::Map for NoRoom {
+    struct NoMemory;
+    impl crate::flow::Map for NoMemory {
         type In = u64;
         type Out = u64;
         type Scratch = ();
         fn scratch(&self) -> Result<()> {
-            Err(Error::invalid("no room for scratch"))
+            Err(Error::invalid("no memory for scratch"))
         }
         fn apply(&self, (): &mut (), n: u64, out: &mut Outlet<'_, u64>) -> Result<()> {
             out.send(n)
         }
     }
-    let flow = Flow::source(&StopSignal::new(), "endless", endless()).map("none", NoRoom, 4, 1).fold("g", gather(), 1);
-    assert_eq!(within_watchdog(|| flow.run().unwrap_err()).to_string(), "no room for scratch");
+    let flow =
+        Flow::source(&StopSignal::new(), "endless", endless()).map("none", NoMemory, 4, 1).fold("g", gather(), 1);
+    assert_eq!(within_watchdog(|| flow.run().unwrap_err()).to_string(), "no memory for scratch");
 }
 
 #[test]
@@ -251,7 +252,7 @@ fn a_halt_from_outside_ends_every_wait() {
         let budget = Budget::new(crate::base::units::Bytes(10), &stop);
         let all = budget.reserve("test", 10).unwrap();
         let inner = budget.clone();
-        // The fold waits for bytes that nobody gives back, the workers for room, the source too.
+        // The fold waits for bytes that nobody gives back, the workers for space, the source too.
         let fold = Gather(move |_| inner.reserve("fold", 1).map(drop), Vec::new());
         let flow = Flow::source(&stop, "endless", endless()).map("pass", pass(), 3, 1).fold("fold", fold, 1);
         let running = std::thread::spawn(move || flow.run());

@@ -7,21 +7,20 @@
 //! L_j = kd A + ks B_j(r) + noise,   A = sun cos_i + sky,   B_j = sun pi f_r(wi, wo_j) cos_i + sky S(r, wo_j)
 //! ```
 //!
-//! so that for each of [`LEVELS`] roughnesses the best kd and ks solve two linear equations (variable projection: Golub and
-//! Pereyra, SIAM J. Numer. Anal. 10(2), 1973), kept in [0, 1]. Both have a Gaussian prior as wide as [0, 1] or wider, rather dark
-//! and rather matt, which decides where the map says nothing. How well each roughness explains the map, its evidence (MacKay,
-//! Neural Computation 4(3), 1992), weighs it. The answer is the weighted mean of kd and ks, and the weighted median of the
-//! roughness; how far the truth may lie from them is their standard deviation.
+//! so for each of [`LEVELS`] roughnesses the best kd and ks solve two linear equations (variable projection: Golub and Pereyra,
+//! SIAM J. Numer. Anal. 10(2), 1973), kept in [0, 1]. kd and ks have Gaussian priors at least as wide as [0, 1], rather dark and
+//! rather matt, which decide where the map has no information. The evidence of a roughness (MacKay, Neural Computation 4(3),
+//! 1992) is its weight. The answer is the weighted mean of kd and ks and the weighted median of the roughness, with standard
+//! deviations.
 //!
-//! A map without a highlight is that of a matt surface, or of one so smooth that no view came near its highlight. Halfway lies
-//! a surface with a highlight that neither has, which shows as soon as the sun moves, and most when it is low. The median is
-//! seldom there; and the less a map tells of the roughness, and the fewer bins it has, the nearer the answer moves to matt,
-//! smoothly, so that it relights no worse than a Lambertian would.
+//! A map without a highlight belongs to a matt surface, or to a surface so smooth that no view came near its highlight. A
+//! roughness halfway between them would show a highlight that neither has, as soon as the sun moves, and most when the sun is low.
+//! The median is seldom halfway. The less a map tells about the roughness, and the fewer bins it has, the nearer the answer
+//! moves to matt, smoothly, so that it relights no worse than a Lambertian would.
 //!
-//! A bin's radiance is sure to a step of 8 bits and a share of what the lobe sends there, since the lobe changes within the
-//! bin; and the fewer pixels it has, the less. A second pass takes the noise to be as large as the first left unexplained, and
-//! gives less weight to bins that it cannot explain, which something that passed by may have filled, and none to clipped
-//! ones of which it expects more.
+//! A bin's radiance is uncertain by a step of 8 bits, and by a share of the lobe's radiance, since the lobe changes within the
+//! bin; a bin of few pixels is less certain. A second pass sets the noise to the residuals of the first. It gives less weight to
+//! bins that it cannot explain, since a passing object may have filled them, and none to clipped bins where it expects more light.
 
 mod session;
 mod solve;
@@ -33,43 +32,44 @@ mod tests;
 use std::path::PathBuf;
 
 use super::contract::{Contract, Input, LightInput};
-use super::{Estimate, Estimator, Session};
+use super::estimator::{Estimate, Estimator, Session};
+use crate::base::convert::to_f32;
 use crate::base::key::{Key, KeyBuilder};
 use crate::base::units::Bytes;
 use crate::base::{Error, Result};
 use crate::scene::Material;
 use crate::scene::light::LocalLight;
-use crate::scene::reflectance::{FRONT_BINS, Kind, SparseMap};
+use crate::scene::reflectance::{FRONT_BINS, Layout, SparseMap};
 use session::FitSession;
 use tables::LEVELS;
 
-/// The fit as an estimator, by itself or with a network whose answers it starts from: these are then what is thought of a
-/// material beforehand, as surely as the network says, and what the map tells in the known light moves it from there.
+/// The fit as an estimator, alone or after a network. The network's answer and its deviations are then the prior of the
+/// material, and the map in the known light moves the answer from there.
 pub struct Fit {
     contract: Contract,
     network: Option<Box<dyn Estimator>>,
 }
 
-/// Changes whenever the same map and light give another material.
+/// The fit's version. It changes whenever the same map and light give another material.
 const VERSION: &str = "3";
 
-/// The deviation of values spread evenly over [0, 1].
-const WIDE: f32 = solve::WIDEST as f32;
+/// The standard deviation of values spread evenly over [0, 1].
+const WIDE: f32 = to_f32(solve::WIDEST);
 
-/// What is thought of a material beforehand where no network says: outdoors most surfaces are darker than the middle of the
-/// range, and more of them matt than shiny. Of ks the least is known.
+/// The prior of a material without a network: outdoors most surfaces are darker than the middle of the range, and more of them
+/// are matt than shiny. ks is the least certain.
 const OUTDOORS: Estimate = Estimate {
     material: Material { kd: [0.25; 3], ks: [0.35; 3], r: 0.5 },
-    // The roughness is as likely to be anything.
+    // Every roughness is equally likely.
     deviation: [WIDE, WIDE, WIDE, 0.4, 0.4, 0.4, f32::INFINITY],
 };
 
 impl Fit {
-    /// The fit, with a network or without.
+    /// The fit, after a network or alone.
     pub fn new(network: Option<Box<dyn Estimator>>) -> Fit {
         let contract = Contract {
             model: PathBuf::from("fit"),
-            kind: Kind::Lobe,
+            kind: Layout::Lobe,
             input: Input::Bins { most: FRONT_BINS },
             light: LightInput::Whole,
             version: VERSION.into(),
@@ -116,7 +116,7 @@ impl Estimator for Fit {
     }
 }
 
-/// One worker's fits, and its way through the network, which may want the light too.
+/// One worker's fits, and its session of the network. The flag says whether the network takes the light.
 struct Worker {
     fit: FitSession,
     network: Option<(bool, Box<dyn Session>)>,

@@ -7,53 +7,53 @@ use glam::Vec3;
 use super::solve::{Prior, Solution, solve, together};
 use super::sums::{Channel, Weights};
 use super::tables::{DIRECTIONS, LEVELS, Levels, TABLES};
-use crate::model::Estimate;
+use crate::model::estimator::Estimate;
 use crate::scene::Material;
 use crate::scene::brdf::{distribution, fresnel, lambda};
 use crate::scene::light::LocalLight;
 use crate::scene::reflectance::{COLUMNS, FRONT_BINS, SparseMap};
 
-/// Standard deviation of a bin's radiance: a step of 8 bits.
+/// The standard deviation of a bin's radiance: a step of 8 bits.
 const NOISE: f64 = 0.004;
 
-/// What a bin does not tell of the lobe, as a share of it: it stands for all directions in it, and is held against that in
-/// its middle.
+/// The uncertainty of the lobe within a bin, as a share of the lobe: a bin stands for all its directions, and is compared with
+/// the lobe at its middle.
 const WITHIN_BIN: f64 = 0.1;
 
-/// Mean ks by which the first pass judges that share.
+/// The mean ks that the first pass assumes for that uncertainty.
 const SOME_KS: f64 = 0.5;
 
-/// Squared residual of a bin, in those of the mean one, up to which it counts in full: noise alone goes as far.
+/// The largest squared residual of a bin that counts in full, relative to the mean one: noise alone reaches it.
 const NEAR: f64 = 0.5;
 
-/// Residual beyond that, in standard deviations, at which a bin counts for a quarter (Geman and McClure's weights).
+/// The residual beyond [`NEAR`], in standard deviations, at which a bin counts for a quarter (Geman and McClure's weights).
 const FAR: f64 = 1.5;
 
-/// Pixels of a bin at which its noise has twice the variance that it has of many: the fewer there are, the more of them lie
-/// on the triangle's edge and show its neighbours too. Of 3 to 300, tried on a synthetic city, the best.
+/// The number of pixels at which a bin's noise has twice the variance of a bin of many pixels. Of few pixels more lie on the
+/// triangle's edge and show its neighbours. This was the best of 3 to 300 on a synthetic city.
 const FEW: f64 = 30.0;
 
-/// What is solved for in a map: three kd, three ks, one roughness.
+/// The number of unknowns of a map: three kd, three ks, one roughness.
 const UNKNOWNS: usize = Material::LEN;
 
-/// What is known of one bin.
+/// One bin of the map.
 #[derive(Debug, Clone, Copy)]
 struct Seen {
     rgb: [f32; 3],
-    /// What it counts for, 0 to 1.
+    /// The bin's weight, 0 to 1.
     weight: f64,
-    /// What it is allowed to count for, by its pixels: 1 for the bin of the most.
+    /// The bin's largest weight, by its number of pixels: 1 for the bin with the most.
     share: f64,
-    /// Squared residuals of its channels, in variances of the noise.
+    /// The sum of the squared residuals of the channels, in variances of the noise.
     far: f64,
-    /// Whether most of its pixels were clipped, so that it says only how bright it is at least.
+    /// Whether most of the bin's pixels were clipped, so that its radiance is a lower bound.
     clipped: bool,
-    /// Of the direction: the row, and what the lobe takes of it.
+    /// The bin's row, and the terms of its direction in the lobe.
     row: usize,
     facet: Facet,
 }
 
-/// What the lobe's terms need of a pair of directions.
+/// The terms of a pair of directions in the lobe.
 #[derive(Debug, Clone, Copy)]
 struct Facet {
     cos2: f32,
@@ -62,21 +62,22 @@ struct Facet {
     scale: f32,
 }
 
-/// What is kept from map to map.
+/// The buffers of a worker's fits.
 #[derive(Default)]
-pub struct FitSession {
+pub(super) struct FitSession {
     seen: Vec<Seen>,
-    /// Radiance of the lobe with ks = 1 in the sun alone, bin by bin.
+    /// The radiance of the lobe with ks = 1 in the sun alone, bin by bin.
     lobe: Vec<Levels>,
     weights: Weights,
 }
 
 impl FitSession {
-    /// Bytes that one holds at most.
-    pub const BYTES: u64 = (FRONT_BINS * (size_of::<Seen>() + size_of::<Levels>() + size_of::<Levels<f64>>())) as u64;
+    /// The most bytes that a session holds.
+    pub(super) const BYTES: u64 =
+        (FRONT_BINS * (size_of::<Seen>() + size_of::<Levels>() + size_of::<Levels<f64>>())) as u64;
 
-    /// The material of a map in this light. `guess` is what is thought of it beforehand, and how surely.
-    pub fn fit(&mut self, map: &SparseMap, light: &LocalLight, guess: &Estimate) -> Estimate {
+    /// Fits the material of a map in this light. `guess` is the prior, with its deviations.
+    pub(super) fn fit(&mut self, map: &SparseMap, light: &LocalLight, guess: &Estimate) -> Estimate {
         let prior = Prior::of(guess);
         self.look(map, light);
         let noise = NOISE * NOISE;
@@ -86,7 +87,7 @@ impl FitSession {
         together(&self.solve_all(light, &prior, noise, &shine), self.seen.len())
     }
 
-    /// Gathers what does not change while the map is fitted.
+    /// Computes the terms that stay the same while the map is fitted.
     fn look(&mut self, map: &SparseMap, light: &LocalLight) {
         self.seen.clear();
         let share = |count: u32| f64::from(count) / (f64::from(count) + FEW);
@@ -108,7 +109,8 @@ impl FitSession {
         }));
     }
 
-    /// The best kd and ks of each roughness, where the noise has this variance and `shine` is about its mean ks.
+    /// Solves for the best kd and ks of each roughness. `noise` is the variance of the noise; `shine` is roughly each roughness's
+    /// mean ks.
     fn solve_all(&mut self, light: &LocalLight, prior: &Prior, noise: f64, shine: &Levels<f64>) -> [Solution; LEVELS] {
         let blurred = shine.map(|ks| WITHIN_BIN * ks / noise.sqrt());
         let (sun, sky) = (light.sun.element_sum() / 3.0, light.sky.element_sum() / 3.0);
@@ -129,8 +131,8 @@ impl FitSession {
         std::array::from_fn(|level| solve(level, &self.weights, &channels, prior, white))
     }
 
-    /// Gives less weight to bins that the likeliest solution does not explain, and says by how much the noise is to be taken
-    /// larger than `noise`: where pixels mix neighbours, all bins are off, and highlights are not to be made of it.
+    /// Gives less weight to bins that the likeliest solution does not explain. Returns the factor by which the noise is larger than
+    /// `noise`: where pixels mix neighbours, all bins are off, and that must not look like a highlight.
     fn weigh(&mut self, solutions: &[Solution; LEVELS], light: &LocalLight, noise: f64) -> f64 {
         let best = (0..LEVELS).max_by(|&a, &b| solutions[a].evidence.total_cmp(&solutions[b].evidence)).unwrap_or(0);
         let (Solution { kd, ks, .. }, white) = (solutions[best], white(light));
@@ -142,7 +144,7 @@ impl FitSession {
             let off = [off(0), off(1), off(2)];
             let brighter = off.iter().all(|off| *off >= 0.0);
             bin.far = bin.share * off.iter().map(|off| off * off).sum::<f64>() / (noise + blur * blur);
-            // That it is brighter than what was clipped is no fault.
+            // An answer brighter than a clipped bin is no misfit.
             bin.weight = if bin.clipped && brighter { 0.0 } else { bin.share };
         }
         let sum: f64 = self.seen.iter().filter(|bin| bin.weight > 0.0).map(|bin| bin.far).sum();
@@ -156,7 +158,7 @@ impl FitSession {
     }
 }
 
-/// Radiance of a white Lambertian.
+/// The radiance of a white Lambertian.
 fn white(light: &LocalLight) -> Vec3 {
     light.sun * light.direction.z.max(0.0) + light.sky
 }

@@ -1,50 +1,51 @@
-//! From sums over bins to materials: the best kd and ks of a roughness, how well it explains the map, and what all say together.
+//! From sums over bins to materials: the best kd and ks of a roughness, its evidence, and the answer of all roughnesses together.
 
 use glam::Vec3;
 
 use super::sums::{Channel, Weights};
 use super::tables::{LEVELS, Levels, TABLES};
-use crate::model::Estimate;
+use crate::base::convert::to_f32;
+use crate::model::estimator::Estimate;
 use crate::scene::Material;
 
-/// Variance of a roughness within its step.
+/// The variance of a roughness within its step.
 const STEP: f64 = 1.0 / (12 * LEVELS * LEVELS) as f64;
 
-/// What deviations are multiplied by, component by component, so that 68% of the truths lie within one: what the model
-/// leaves out (pixels that are mixed, shadows' edges) is not in the noise. Measured on the synthetic city of seed 35.
+/// The factors of the deviations, component by component, that bring 68% of the truths within one deviation: effects that the
+/// model leaves out (mixed pixels, shadows' edges) are not in the noise. Measured on the synthetic city of seed 35.
 const CALIBRATION: [f64; Material::LEN] = [1.30, 1.30, 1.30, 0.53, 0.53, 0.53, 0.62];
 
-/// No deviation is larger than that of values spread evenly over [0, 1].
-pub const WIDEST: f64 = 0.288_7;
+/// The largest deviation: that of values spread evenly over [0, 1].
+pub(super) const WIDEST: f64 = 0.288_7;
 
-/// Weight of a roughness, next to the likeliest's, that is none.
+/// The weight of a roughness, relative to the likeliest, below which it counts as 0.
 const NOTHING: f64 = 1e-12;
 
-/// ks and roughness of a matt surface: the answer where a map tells neither. These and the two below were found on the
+/// ks and roughness of a matt surface, the answer if a map tells neither. These and the two constants below were found on the
 /// synthetic cities of seeds 35 to 37.
 const MATT: [f64; 2] = [0.1, 0.75];
 
-/// The share of the roughness's variance that a map leaves counts to the power of its bins over this: of two bins little
-/// can be learned and a matt surface is likely, though a smooth one would explain them a bit better.
+/// The share of the roughness's variance that a map leaves is raised to the power of the map's bins over this number: two bins
+/// tell little, and a matt surface is likely even if a smooth one explains them a bit better.
 const PATIENCE: f64 = 3.0;
 
-/// Bins at which ks moves half as far towards matt as the roughness does, which brings most of the good.
+/// The number of bins at which ks moves half as far towards matt as the roughness does; the roughness brings most of the gain.
 const SEVERAL: f64 = 8.0;
 
-/// What is thought of a material before its map is looked at: Gaussians.
+/// The prior of a material: Gaussians.
 #[derive(Debug, Clone, Copy)]
-pub struct Prior {
-    /// Means of kd and ks.
+pub(super) struct Prior {
+    /// The means of kd and ks.
     mean: [f64; 6],
-    /// One over their variances.
+    /// One over the variances of kd and ks.
     precision: [f64; 6],
-    /// Logarithm of how likely each roughness is, but for a constant.
+    /// The logarithm of each roughness's likelihood, up to a constant.
     roughness: Levels<f64>,
 }
 
 impl Prior {
-    /// A component that nothing is said of has that of values spread evenly over [0, 1].
-    pub fn of(guess: &Estimate) -> Prior {
+    /// The prior that a guess stands for. A component without a deviation gets that of values spread evenly over [0, 1].
+    pub(super) fn of(guess: &Estimate) -> Prior {
         let variance = guess.deviation.map(|d| if d > 0.0 { f64::from(d).powi(2) } else { WIDEST * WIDEST });
         let mean = guess.material.to_array().map(f64::from);
         Prior {
@@ -55,20 +56,20 @@ impl Prior {
     }
 }
 
-/// kd and ks of one roughness, their variances, and the logarithm of its evidence.
+/// The kd and ks of one roughness, their variances, and the roughness's evidence.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Solution {
-    /// Diffuse.
+pub(super) struct Solution {
+    /// The diffuse scale, kd.
     pub kd: [f64; 3],
-    /// Specular.
+    /// The specular scale, ks.
     pub ks: [f64; 3],
     variance: [f64; 6],
-    /// Its logarithm, but for a constant.
+    /// The logarithm of the roughness's evidence, up to a constant.
     pub evidence: f64,
 }
 
-/// kd and ks of one roughness, channel by channel, in the light that a white Lambertian has radiance `white` in.
-pub fn solve(level: usize, weights: &Weights, channels: &[Channel; 3], prior: &Prior, white: Vec3) -> Solution {
+/// Solves for kd and ks of one roughness, channel by channel. `white` is the radiance of a white Lambertian in the light.
+pub(super) fn solve(level: usize, weights: &Weights, channels: &[Channel; 3], prior: &Prior, white: Vec3) -> Solution {
     let mut solution =
         Solution { evidence: prior.roughness[level] - 1.5 * weights.spread[level], ..Solution::default() };
     let (w, mut dets) = (weights.sum[level], 1.0);
@@ -94,10 +95,10 @@ pub fn solve(level: usize, weights: &Weights, channels: &[Channel; 3], prior: &P
     solution
 }
 
-/// What all roughnesses say, weighted by their evidence, of a map of so many bins.
-pub fn together(solutions: &[Solution; LEVELS], bins: usize) -> Estimate {
+/// The answer of all roughnesses, weighted by their evidence, for a map with this many bins.
+pub(super) fn together(solutions: &[Solution; LEVELS], bins: usize) -> Estimate {
     let most = solutions.iter().map(|s| s.evidence).fold(f64::NEG_INFINITY, f64::max);
-    // What weighs next to nothing is left out: numbers that small are slow, and change nothing.
+    // Tiny weights are left out: denormal numbers are slow and change nothing.
     let weights = solutions.map(|s| Some((s.evidence - most).exp()).filter(|weight| *weight >= NOTHING).unwrap_or(0.0));
     let all: f64 = weights.iter().sum();
     let (mut answer, mut squares, mut below, mut median) = ([0f64; Material::LEN], [0f64; Material::LEN], 0.0, 0.0);
@@ -116,7 +117,7 @@ pub fn together(solutions: &[Solution; LEVELS], bins: usize) -> Estimate {
         below += weight;
     }
     let mut variance: [f64; Material::LEN] = std::array::from_fn(|c| (squares[c] - answer[c] * answer[c]).max(0.0));
-    // How near to matt: all the way where the roughness is as unsure as before the map was looked at.
+    // The move towards matt: all the way if the roughness is as uncertain as in the prior.
     let bins = bins as f64;
     let unsure = (variance[6] / (WIDEST * WIDEST)).min(1.0).powf(bins / PATIENCE);
     let little = unsure / (1.0 + (bins / SEVERAL).powi(2));
@@ -124,8 +125,8 @@ pub fn together(solutions: &[Solution; LEVELS], bins: usize) -> Estimate {
     (3..6).for_each(|c| answer[c] += little * (MATT[0] - answer[c]).min(0.0));
     answer[6] = median + unsure * (MATT[1] - median).max(0.0);
     (0..Material::LEN).for_each(|c| variance[c] += (answer[c] - mean[c]).powi(2));
-    let deviation = std::array::from_fn(|c| (CALIBRATION[c] * variance[c].sqrt()).min(WIDEST) as f32);
-    Estimate { material: Material::from(answer.map(|v| (v as f32).clamp(0.0, 1.0))), deviation }
+    let deviation = std::array::from_fn(|c| to_f32((CALIBRATION[c] * variance[c].sqrt()).min(WIDEST)));
+    Estimate { material: Material::from(answer.map(|v| to_f32(v).clamp(0.0, 1.0))), deviation }
 }
 
 /// The minimum in [0, 1]^2 of the quadratic with this normal matrix (symmetric: upper left, off the diagonal, lower right)
@@ -136,7 +137,7 @@ fn solve_within([n, m, k]: [f64; 3], [p, q]: [f64; 2]) -> [f64; 2] {
     if free.iter().all(|v| (0.0..=1.0).contains(v)) {
         return free;
     }
-    // It lies on one of the edges.
+    // The minimum lies on one of the edges.
     let cost = |[x, y]: [f64; 2]| n * x * x + 2.0 * m * x * y + k * y * y - 2.0 * (p * x + q * y);
     let upright = [0.0, 1.0].map(|x| [x, ((q - m * x) / k).clamp(0.0, 1.0)]);
     let level = [0.0, 1.0].map(|y| [((p - m * y) / n).clamp(0.0, 1.0), y]);

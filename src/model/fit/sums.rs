@@ -1,24 +1,23 @@
-//! What least squares needs to know of a map's bins: sums over them, for every roughness at once, which is what makes the
-//! fit quick.
+//! The sums over a map's bins that least squares needs, for every roughness at once, which makes the fit quick.
 
 use super::tables::{LEVELS, Levels};
 
-/// Bins whose variances are multiplied before a logarithm is taken: their product is no larger than 1e200.
+/// The number of bins whose variances are multiplied before a logarithm is taken: the product stays under 1e200.
 const AT_ONCE: usize = 8;
 
-/// Roughnesses whose sums stay in registers while the bins go by.
+/// The number of roughnesses whose sums stay in registers during one pass over the bins.
 const TOGETHER: usize = 4;
 const _: () = assert!(LEVELS.is_multiple_of(TOGETHER));
 
 const ZERO: Levels<f64> = [0.0; LEVELS];
 
-/// What bins count for, for each roughness.
-pub struct Weights {
-    /// Each bin's: what it counts for over its variance.
+/// The weights of the bins, for each roughness.
+pub(super) struct Weights {
+    /// The weight of each bin, over the bin's variance.
     pub bins: Vec<Levels<f64>>,
-    /// Their sum.
+    /// The sum of the bins' weights.
     pub sum: Levels<f64>,
-    /// Logarithm of the product of the bins' variances, over that of their noise alone.
+    /// The logarithm of the product of the bins' variances, relative to that of their noise alone.
     pub spread: Levels<f64>,
 }
 
@@ -29,9 +28,9 @@ impl Default for Weights {
 }
 
 impl Weights {
-    /// Works them out anew, for bins that count for `weight` over the noise's variance and whose deviation, over that of the
-    /// noise, is that of the noise and `blur`.
-    pub fn set(&mut self, bins: impl Iterator<Item = (f64, Levels<f64>)>) {
+    /// Computes the weights of new bins. Each bin has a weight over the noise's variance, and a blur in deviations of the noise,
+    /// for each roughness.
+    pub(super) fn set(&mut self, bins: impl Iterator<Item = (f64, Levels<f64>)>) {
         let Weights { bins: all, sum, spread } = self;
         all.clear();
         (*sum, *spread) = (ZERO, ZERO);
@@ -57,9 +56,9 @@ impl Weights {
     }
 }
 
-/// Sums over the bins of one channel, weighted: of the radiance l, of its square, of the lobe's radiance b, of its square,
-/// and of b l.
-pub struct Channel {
+/// The weighted sums over the bins of one channel: of the radiance l, of l squared, of the lobe's radiance b, of b squared, and
+/// of b l.
+pub(super) struct Channel {
     pub wl: Levels<f64>,
     pub wll: Levels<f64>,
     pub wb: Levels<f64>,
@@ -68,8 +67,10 @@ pub struct Channel {
 }
 
 impl Channel {
-    /// Adds up bins: the weights, l, and b by roughness.
-    pub fn of<'a, B: Fn(usize) -> f32>(bins: impl Iterator<Item = (&'a Levels<f64>, f32, B)> + Clone) -> Channel {
+    /// Sums over bins, each given as its weights, its l, and its b by roughness.
+    pub(super) fn of<'a, B: Fn(usize) -> f32>(
+        bins: impl Iterator<Item = (&'a Levels<f64>, f32, B)> + Clone,
+    ) -> Channel {
         let mut all = [ZERO; 5];
         for from in (0..LEVELS).step_by(TOGETHER) {
             let mut some = [[0.0; TOGETHER]; 5];

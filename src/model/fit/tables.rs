@@ -1,4 +1,4 @@
-//! What depends on the roughness and on a bin's row alone.
+//! Tables of the terms that depend on the roughness and on a bin's row alone.
 
 use std::sync::LazyLock;
 
@@ -6,38 +6,39 @@ use glam::Vec3;
 
 use crate::scene::Material;
 use crate::scene::brdf::{lambda, sky_specular};
-use crate::scene::reflectance::{Bin, COLUMNS, FRONT_BINS, direction_of};
+use crate::scene::reflectance::{COLUMNS, FRONT_BINS, direction_of};
 
-/// Roughnesses that are tried, evenly spread over [0, 1].
-pub const LEVELS: usize = 24;
+/// The number of roughnesses that are tried, evenly spread over [0, 1].
+pub(super) const LEVELS: usize = 24;
 
-/// Rows of a map's front.
-pub const ROWS: usize = FRONT_BINS / COLUMNS;
+/// The number of rows of a map's front.
+pub(super) const ROWS: usize = FRONT_BINS / COLUMNS;
 
-/// Directions within a bin lie about this far from its middle along each axis, radians: a twelfth of 3 degrees squared is
-/// their variance. A half vector moves half as far, so that a lobe is seen as if it were this much wider.
+/// The distance in radians by which a bin widens a lobe. Directions in a bin of 3 degrees have a variance of a twelfth of that
+/// squared along each axis, and the half vector moves half as far.
 const BLUR: f32 = 0.5 * 0.052_36 * 0.288_7;
 
 /// A value for each roughness.
-pub type Levels<T = f32> = [T; LEVELS];
+pub(super) type Levels<T = f32> = [T; LEVELS];
 
-/// What depends on the roughness, ascending.
-pub struct Tables {
+/// The tables, by ascending roughness.
+pub(super) struct Tables {
     /// The roughnesses.
     pub r: Levels,
-    /// The lobe's width as it is seen through bins.
+    /// The lobe's width, widened by the bins.
     pub alpha: Levels,
     /// Smith's Lambda towards the rows.
     pub lambda: [Levels; ROWS],
-    /// What the lobe sends of a white sky towards the rows.
+    /// The lobe's radiance towards the rows in a white sky.
     pub sky: [Levels; ROWS],
 }
 
-/// All of it.
-pub static TABLES: LazyLock<Tables> = LazyLock::new(Tables::new);
+/// The tables, computed once.
+pub(super) static TABLES: LazyLock<Tables> = LazyLock::new(Tables::new);
 
 /// The middle of every bin of the front.
-pub static DIRECTIONS: LazyLock<Vec<Vec3>> = LazyLock::new(|| (0..FRONT_BINS as Bin).map(direction_of).collect());
+pub(super) static DIRECTIONS: LazyLock<Vec<Vec3>> =
+    LazyLock::new(|| (0..).take(FRONT_BINS).map(direction_of).collect());
 
 impl Tables {
     fn new() -> Tables {

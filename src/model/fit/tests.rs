@@ -3,7 +3,7 @@ use rand::{Rng, RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
 use super::Fit;
-use crate::model::{Estimate, Estimator};
+use crate::model::estimator::{Estimate, Estimator};
 use crate::scene::Material as M;
 
 use crate::scene::brdf;
@@ -31,7 +31,7 @@ fn map(rng: &mut Pcg64Mcg, m: &M, light: &LocalLight, bins: usize) -> SparseMap 
     SparseMap { bins: all }
 }
 
-/// Of about the normal distribution.
+/// A number of about the normal distribution.
 fn noise(rng: &mut impl Rng) -> f32 {
     (0..12).map(|_| rng.random::<f32>()).sum::<f32>() - 6.0
 }

@@ -1,14 +1,15 @@
-//! What the specular lobe sends back of a white sky.
+//! The light of a white sky that the specular lobe reflects.
 
 use std::sync::LazyLock;
 
 use glam::Vec3;
 
-use super::{fresnel, lambda};
+use super::microfacet::{fresnel, lambda};
+use crate::base::convert::{Cut, to_f32};
 use crate::scene::Material;
 
-/// The bits of `k` mirrored at the binary point: van der Corput's sequence.
-pub fn radical_inverse(k: u32) -> f32 {
+/// The bits of `k` mirrored at the binary point: van der Corput's sequence, in [0, 1).
+pub(crate) fn radical_inverse(k: u32) -> f32 {
     // The upper 24 bits, so that the result stays below 1.
     (k.reverse_bits() >> 8) as f32 / (1 << 24) as f32
 }
@@ -18,14 +19,14 @@ const NODES: usize = 32;
 
 /// The directional albedo of the specular lobe with `ks = 1`: the share of a white sky that is reflected towards a
 /// viewer at this cosine to the normal. Interpolated; within 0.01 of the integral.
-pub fn sky_specular(r: f32, cos: f32) -> f32 {
+pub(crate) fn sky_specular(r: f32, cos: f32) -> f32 {
     static TABLE: LazyLock<Vec<f32>> = LazyLock::new(|| {
         let node = |i: usize| i as f32 / (NODES - 1) as f32;
         (0..NODES * NODES).map(|i| directional_albedo(node(i / NODES), node(i % NODES).powi(2).max(1e-3))).collect()
     });
     let scaled = |v: f32| v.clamp(0.0, 1.0) * (NODES - 1) as f32;
     let (row, column) = (scaled(r), scaled(cos.clamp(0.0, 1.0).sqrt()));
-    let (i, j) = ((row as usize).min(NODES - 2), (column as usize).min(NODES - 2));
+    let (i, j) = (usize::cut(row).min(NODES - 2), usize::cut(column).min(NODES - 2));
     let (v, u) = (row - i as f32, column - j as f32);
     let at = |i: usize, j: usize| TABLE[i * NODES + j];
     let along = |i: usize| at(i, j) * (1.0 - u) + at(i, j + 1) * u;
@@ -51,7 +52,7 @@ fn directional_albedo(r: f32, cos: f32) -> f32 {
         let g = 1.0 / (1.0 + lambda(alpha, wi.z) + lambda(alpha, cos));
         f64::from(g * fresnel(wo_h.min(1.0)) * wo_h / (cos * z))
     };
-    ((0..SAMPLES).map(sample).sum::<f64>() / f64::from(SAMPLES)) as f32
+    to_f32((0..SAMPLES).map(sample).sum::<f64>() / f64::from(SAMPLES))
 }
 
 #[cfg(test)]
@@ -79,7 +80,7 @@ mod tests {
                 for j in 0..columns {
                     let (s, c) = (std::f32::consts::TAU * (j as f32 + 0.5) / columns as f32).sin_cos();
                     let wi = Vec3::new((1.0 - z * z).sqrt() * c, (1.0 - z * z).sqrt() * s, z);
-                    sum += f64::from(super::super::evaluate(&m, wi, wo).x * z);
+                    sum += f64::from(crate::scene::brdf::microfacet::evaluate(&m, wi, wo).x * z);
                 }
             }
             let truth = sum * std::f64::consts::TAU / f64::from(rows * columns);

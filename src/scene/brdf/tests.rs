@@ -1,8 +1,14 @@
 //! Physics: symmetry, energy by quadrature, closed forms, limits. References are worked out in f64 from the formulas.
 
+use std::f32::consts::{FRAC_1_PI, PI};
 use std::f64::consts::TAU;
 
+use glam::Vec3;
+
+use super::microfacet::{ETA, evaluate, specular};
 use super::*;
+use crate::base::convert::to_f32;
+use crate::scene::Material;
 
 /// Roughnesses, both ends among them.
 const ROUGHNESSES: [f32; 7] = [0.0, 0.05, 0.2, 0.4, 0.6, 0.8, 1.0];
@@ -98,7 +104,7 @@ fn the_distribution_projects_to_one() {
                 let (s, ds) = (x / (1.0 - x), 1.0 / (1.0 - x).powi(2));
                 let t = f64::from(alpha) * s;
                 let c2 = 1.0 / (1.0 + t * t);
-                let d = f64::from(distribution(alpha, c2 as f32, (t * t * c2) as f32));
+                let d = f64::from(distribution(alpha, to_f32(c2), to_f32(t * t * c2)));
                 TAU * d * c2 * c2 * t * f64::from(alpha) * ds
             })
             .sum();
@@ -114,13 +120,13 @@ fn fresnel_has_its_closed_forms() {
     // At Brewster's angle, tan = eta, only the perpendicular part is left: ((eta^2 - 1) / (eta^2 + 1))^2 / 2.
     let eta2 = f64::from(ETA).powi(2);
     let brewster = 1.0 / (1.0 + eta2).sqrt();
-    close(fresnel(brewster as f32), 0.5 * ((eta2 - 1.0) / (eta2 + 1.0)).powi(2));
+    close(fresnel(to_f32(brewster)), 0.5 * ((eta2 - 1.0) / (eta2 + 1.0)).powi(2));
     // Snell and Fresnel as they are in textbooks: sines and tangents of the two angles.
     for degrees in [5.0f64, 30.0, 50.0, 75.0, 89.0] {
         let i = degrees.to_radians();
         let t = (i.sin() / f64::from(ETA)).asin();
         let (s, p) = ((i - t).sin() / (i + t).sin(), (i - t).tan() / (i + t).tan());
-        close(fresnel(i.cos() as f32), 0.5 * (s * s + p * p));
+        close(fresnel(to_f32(i.cos())), 0.5 * (s * s + p * p));
     }
 }
 

@@ -1,53 +1,68 @@
-//! How lenses move points on the plane.
+//! How lenses move points on the plane of unit focal length.
 
 use glam::{DMat2, DVec2};
 
-/// Radial, tangential and thin-prism terms together: every polynomial lens of COLMAP is a case of it. With r2 = |q|^2,
+/// The terms of a lens that move points on the plane: radial, rational, tangential and thin prism. Every term that a
+/// lens does not have is 0. With r2 = |q|^2,
 ///
 /// ```text
-/// a    = q (1 + n1 r2 + n2 r2^2 + ..) / (1 + d1 r2 + d2 r2^2 + ..)
+/// a    = q (1 + k1 r2 + k2 r2^2 + ..) / (1 + d1 r2 + d2 r2^2 + ..)
 /// q'   = a + tangential(b) + prism(b)                  b is q; or a, where the terms are chained
 /// tangential(b) = (2 p1 x y + p2 (R + 2 x^2), 2 p2 x y + p1 (R + 2 y^2))      (x, y) = b, R = |b|^2
 /// prism(b)      = (s1 R + s2 R^2, s3 R + s4 R^2)
 /// ```
 ///
-/// Source: COLMAP's camera models, `src/colmap/sensor/models.h`; Brown 1966 for the tangential terms.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Polynomial {
-    /// n1, n2, ..
-    pub numerator: [f64; 6],
+/// p1 and p2 are in OpenCV's order. Source: COLMAP's camera models, `src/colmap/sensor/models.h`; Brown 1966 for the
+/// tangential terms.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Distortion {
+    /// k1, k2, ..
+    pub radial: [f64; 6],
     /// d1, d2, d3.
-    pub denominator: [f64; 3],
+    pub rational: [f64; 3],
     /// p1, p2.
     pub tangential: [f64; 2],
     /// s1, s2, s3, s4.
     pub prism: [f64; 4],
-    /// Whether the tangential and prism terms are of the point that the radial term gives.
+    /// Whether the tangential and prism terms act on the point that the radial term gives.
     pub chained: bool,
 }
 
-/// 1 + c1 x + c2 x^2 + .., and its derivative.
+/// The series 1 + c1 x + c2 x^2 + .., and its derivative.
 fn series(coefficients: &[f64], x: f64) -> (f64, f64) {
     let (value, slope) = coefficients.iter().rev().fold((0.0, 0.0), |(v, d), c| (v * x + c, d * x + v));
     (1.0 + value * x, slope * x + value)
 }
 
-impl Polynomial {
+impl Distortion {
+    /// A distortion of radial terms alone: k1, k2, ..; at most six.
+    pub fn radial<const N: usize>(k: [f64; N]) -> Self {
+        const { assert!(N <= 6, "there are six radial terms") };
+        let radial = std::array::from_fn(|i| k.get(i).copied().unwrap_or(0.0));
+        Distortion { radial, ..Distortion::default() }
+    }
+
+    /// All terms.
+    pub(super) fn terms(&self) -> impl Iterator<Item = f64> {
+        let Distortion { radial, rational, tangential, prism, chained: _ } = self;
+        radial.iter().chain(rational).chain(tangential).chain(prism).copied()
+    }
+
     /// The factor of the radial term at r2, and its derivative by r2.
     fn factor(&self, r2: f64) -> (f64, f64) {
-        let (n, dn) = series(&self.numerator, r2);
-        let (d, dd) = series(&self.denominator, r2);
+        let (n, dn) = series(&self.radial, r2);
+        let (d, dd) = series(&self.rational, r2);
         (n / d, (dn * d - n * dd) / (d * d))
     }
 
-    /// How far from the middle the radial term puts what is at `r`, and its derivative by `r`.
-    pub fn radial(&self, r: f64) -> (f64, f64) {
+    /// The radius that the radial term gives a point at radius `r`, and its derivative by `r`.
+    pub(super) fn outward(&self, r: f64) -> (f64, f64) {
         let (factor, slope) = self.factor(r * r);
         (r * factor, factor + 2.0 * r * r * slope)
     }
 
-    /// The moved point, and the derivative of it by the point.
-    pub fn apply(&self, q: DVec2) -> (DVec2, DMat2) {
+    /// The moved point, and its derivative by the point.
+    pub(super) fn apply(&self, q: DVec2) -> (DVec2, DMat2) {
         let (factor, slope) = self.factor(q.length_squared());
         let radial = q * factor;
         let outer = DMat2::from_cols(q * q.x, q * q.y);
@@ -57,7 +72,7 @@ impl Polynomial {
         (radial + added, by_radial + by_added)
     }
 
-    /// What the tangential and prism terms add, and its derivative.
+    /// The sum of the tangential and prism terms, and its derivative.
     fn beside(&self, b: DVec2) -> (DVec2, DMat2) {
         let ([p1, p2], [s1, s2, s3, s4]) = (self.tangential, self.prism);
         let (x, y, r2) = (b.x, b.y, b.length_squared());
@@ -65,7 +80,7 @@ impl Polynomial {
             2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x) + (s1 + s2 * r2) * r2,
             2.0 * p2 * x * y + p1 * (r2 + 2.0 * y * y) + (s3 + s4 * r2) * r2,
         );
-        // Of the prism terms by r2, times the derivative of r2.
+        // The derivative of the prism terms by r2; that of r2 follows below.
         let prism = DVec2::new(s1 + 2.0 * s2 * r2, s3 + 2.0 * s4 * r2);
         let by_x = DVec2::new(2.0 * p1 * y + 6.0 * p2 * x, 2.0 * p2 * y + 2.0 * p1 * x) + prism * (2.0 * x);
         let by_y = DVec2::new(2.0 * p1 * x + 2.0 * p2 * y, 2.0 * p2 * x + 6.0 * p1 * y) + prism * (2.0 * y);
@@ -73,11 +88,11 @@ impl Polynomial {
     }
 }
 
-/// Below this, omega is taken for 0, where the model has no value but a limit: no distortion.
+/// An omega below this counts as 0, where the model has a limit: no distortion.
 const NARROW: f64 = 1e-6;
 
 /// The field-of-view model: r' = atan(2 r tan(omega / 2)) / omega.
-pub fn field_of_view(omega: f64, q: DVec2) -> DVec2 {
+pub(super) fn field_of_view(omega: f64, q: DVec2) -> DVec2 {
     let r = q.length();
     if r == 0.0 || omega < NARROW {
         return q;
@@ -85,8 +100,8 @@ pub fn field_of_view(omega: f64, q: DVec2) -> DVec2 {
     q * ((2.0 * r * (0.5 * omega).tan()).atan() / (r * omega))
 }
 
-/// Back from [`field_of_view`]; `None` beyond what is at infinity.
-pub fn undo_field_of_view(omega: f64, at: DVec2) -> Option<DVec2> {
+/// The inverse of [`field_of_view`]; `None` beyond the points at infinity.
+pub(super) fn undo_field_of_view(omega: f64, at: DVec2) -> Option<DVec2> {
     let r = at.length();
     if r == 0.0 || omega < NARROW {
         return Some(at);

@@ -1,121 +1,67 @@
-//! Intrinsics: pixel to ray and back. The centre of the first pixel is (0.5, 0.5); camera axes are x right, y down,
-//! z forward.
+//! Intrinsics: from a pixel to its ray and back. The centre of the first pixel is (0.5, 0.5). Camera axes are x right,
+//! y down, z forward.
 //!
-//! A lens takes a direction to a plane in one of two ways, (x, y) / z or the angle to the axis times the direction of
-//! (x, y) (equidistant), and moves points on that plane (`distortion`). Focal lengths and principal point give pixels.
-//! Back from a pixel the distortion is inverted by Newton's method (`inverse`): exact to rounding, or no ray at all where
-//! the lens folds and a pixel has no direction of its own.
+//! A [`Lens`] projects a direction to a plane (`lens`), moves the point on that plane (`distortion`), and scales it to
+//! pixels. On the way back, Newton's method undoes the distortion within its reach (`reach`): the ray is exact to
+//! rounding, and a pixel beyond the fold of a lens has no ray.
 
-mod colmap;
 mod distortion;
-mod inverse;
+mod lens;
+mod reach;
 #[cfg(test)]
 mod tests;
 
 use glam::{DVec2, DVec3};
 
-use inverse::Inverse;
+pub(crate) use distortion::Distortion;
+pub use lens::Lens;
+pub(crate) use lens::Projection;
 
-/// A camera without its place: image size and lens.
+/// The most pixels along a side of an image.
+const LONGEST: u64 = 999_999;
+
+/// A camera without its pose: the size of its images, and its lens.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Camera {
     /// Columns, pixels.
     pub width: u32,
     /// Rows, pixels.
     pub height: u32,
-    /// Lens model and its parameters.
-    pub model: Model,
-}
-
-/// A lens: focal lengths, principal point, and how it distorts.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Model {
-    /// COLMAP's number of the model.
-    id: i32,
-    /// As COLMAP orders them.
-    parameters: Vec<f64>,
-    /// Focal lengths, pixels.
-    f: DVec2,
-    /// Principal point, pixels.
-    c: DVec2,
-    lens: Lens,
-}
-
-/// How directions become points on the plane of unit focal length.
-#[derive(Debug, Clone, PartialEq)]
-enum Lens {
-    /// (x, y) / z.
-    Pinhole,
-    /// (x, y) / z, moved.
-    Perspective(Inverse),
-    /// The angle to the axis along (x, y), moved.
-    Equidistant(Inverse),
-    /// Devernay and Faugeras' field-of-view model (2001), by its angle omega.
-    FieldOfView(f64),
-}
-
-impl Model {
-    /// A lens without distortion, of focal lengths `f` and principal point `c`, pixels.
-    pub fn pinhole(f: DVec2, c: DVec2) -> Model {
-        Model { id: 1, parameters: vec![f.x, f.y, c.x, c.y], f, c, lens: Lens::Pinhole }
-    }
-
-    fn scaled(&self, scale: DVec2) -> Model {
-        let (f, c) = (self.f * scale, self.c * scale);
-        let mut parameters = self.parameters.clone();
-        match colmap::focal_lengths(self.id) {
-            1 => parameters[..3].copy_from_slice(&[f.x, c.x, c.y]),
-            _ => parameters[..4].copy_from_slice(&[f.x, f.y, c.x, c.y]),
-        }
-        Model { id: self.id, parameters, f, c, lens: self.lens.clone() }
-    }
+    /// The lens.
+    pub lens: Lens,
 }
 
 impl Camera {
-    /// The camera of the same lens with an image `by` times smaller each way. Sides that `by` does not divide lose the
-    /// rest, and pixels are then a little more than `by` times larger.
-    pub fn down_scaled(&self, by: u32) -> Camera {
-        let (width, height) = (self.width / by.max(1), self.height / by.max(1));
-        let scale = DVec2::new(f64::from(width) / f64::from(self.width), f64::from(height) / f64::from(self.height));
-        Camera { width, height, model: self.model.scaled(scale) }
-    }
-
-    /// The unit direction, in camera coordinates, of what is seen at `pixel`; `None` where the lens sees nothing there.
-    #[inline]
-    pub fn ray(&self, pixel: DVec2) -> Option<DVec3> {
-        let m = &self.model;
-        let at = (pixel - m.c) / m.f;
-        match &m.lens {
-            Lens::Pinhole => Some(at.extend(1.0).normalize()),
-            Lens::Perspective(lens) => lens.undo(at).map(|q| q.extend(1.0).normalize()),
-            Lens::Equidistant(lens) => lens.undo(at).map(|q| {
-                let angle = q.length();
-                let (sin, cos) = angle.sin_cos();
-                let across = if angle > 0.0 { q * (sin / angle) } else { DVec2::ZERO };
-                across.extend(cos)
-            }),
-            Lens::FieldOfView(omega) => distortion::undo_field_of_view(*omega, at).map(|q| q.extend(1.0).normalize()),
+    /// A camera whose size a file gives.
+    ///
+    /// # Errors
+    /// In words: a side of no pixels, or of more than 999,999.
+    pub fn new(width: u64, height: u64, lens: Lens) -> Result<Camera, String> {
+        let side = |pixels: u64| u32::try_from(pixels).ok().filter(|_| (1..=LONGEST).contains(&pixels));
+        match (side(width), side(height)) {
+            (Some(width), Some(height)) => Ok(Camera { width, height, lens }),
+            _ => Err(format!("the image has {width} x {height} pixels; 1 to {LONGEST} a side are allowed")),
         }
     }
 
-    /// Where a point in camera coordinates is seen, pixels, inside the image or not; `None` if the lens cannot see it.
+    /// The same camera with images `by` times smaller along each side. A side that `by` does not divide loses its last
+    /// pixels; the other pixels are then a little more than `by` times larger.
+    pub fn down_scaled(&self, by: u32) -> Camera {
+        let (width, height) = (self.width / by.max(1), self.height / by.max(1));
+        let scale = DVec2::new(f64::from(width) / f64::from(self.width), f64::from(height) / f64::from(self.height));
+        Camera { width, height, lens: self.lens.scaled(scale) }
+    }
+
+    /// The unit direction, in camera coordinates, that is seen at `pixel`; `None` where the lens sees nothing.
+    #[inline]
+    pub fn ray(&self, pixel: DVec2) -> Option<DVec3> {
+        self.lens.ray(pixel)
+    }
+
+    /// The pixel, inside the image or not, where a point in camera coordinates is seen; `None` if the lens cannot see
+    /// the point.
     #[inline]
     pub fn project(&self, point: DVec3) -> Option<DVec2> {
-        let m = &self.model;
-        let flat = || (point.z > 0.0).then(|| point.truncate() / point.z);
-        let moved = match &m.lens {
-            Lens::Pinhole => flat(),
-            Lens::Perspective(lens) => flat().and_then(|q| lens.apply(q)),
-            Lens::Equidistant(lens) => {
-                let (across, length) = (point.truncate(), point.truncate().length());
-                let angle = length.atan2(point.z);
-                // Straight behind, no direction is the right one.
-                let seen = length > 0.0 || point.z > 0.0;
-                seen.then(|| if length > 0.0 { across * (angle / length) } else { DVec2::ZERO })
-                    .and_then(|q| lens.apply(q))
-            }
-            Lens::FieldOfView(omega) => flat().map(|q| distortion::field_of_view(*omega, q)),
-        };
-        moved.map(|at| m.f * at + m.c)
+        self.lens.project(point)
     }
 }

@@ -1,18 +1,19 @@
-//! What stands between the streets: for each use of a block, its ground, its buildings and its trees.
+//! The blocks between the streets: for each use of a block, its ground, its buildings and its trees.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use glam::DVec2;
 use rand::RngExt;
 
-use super::building::{self, Body, Facade, Inlay};
+use super::building::{self, Body, Facade, Inlay, Pitch};
 use super::street::{self, WIDTH};
 use super::surface::{Block, Finish, Rect, Spot, Surface};
 use super::town::{PITCH, Town, Use};
 use super::{greenery, palette};
+use crate::base::convert::Cut;
 
-/// Everything of one block.
-pub fn build(town: &Town, at: [i32; 2], cell: f64) -> Surface {
+/// The triangles of one block.
+pub(super) fn build(town: &Town, at: [i32; 2], cell: f64) -> Surface {
     let mut block = Block { surface: Surface::default(), rng: town.rng(0, at), ground: town.ground(at), cell };
     let land_use = town.land_use(at);
     let in_town = land_use != Use::Field;
@@ -29,7 +30,7 @@ pub fn build(town: &Town, at: [i32; 2], cell: f64) -> Surface {
     block.surface
 }
 
-/// The ground around a hole in it. The hole is a little smaller than the building over it, so that no gap shows.
+/// The ground around a hole. The hole is a little smaller than the building over it, so that no gap shows.
 fn floor_around(block: &mut Block, lot: Rect, hole: Rect, finishes: [&Finish; 4]) {
     let (hole_low, hole_high) = (hole.low + 0.04, hole.high - 0.04);
     let [south, east, north, west] = finishes;
@@ -92,9 +93,9 @@ fn house(block: &mut Block, lot: Rect, turn: f64) {
     let spot = Spot::new(centre, turn);
     building::walls(block, spot, body, &facade, [Some(0.0); 4]);
     if block.rng.random_bool(0.65) {
-        building::gable(block, spot, half, [eaves, rise], &cover, &wall, inlay);
+        building::gable(block, spot, half, Pitch { eaves, rise }, &cover, &wall, inlay);
     } else {
-        building::hip(block, spot, half, [eaves, rise], &cover, inlay);
+        building::hip(block, spot, half, Pitch { eaves, rise }, &cover, inlay);
     }
     let stack = DVec2::new(half.x * block.rng.random_range(-0.5..0.5), half.y * 0.3);
     building::chimney(block, spot, stack, [eaves + 0.4 * rise, eaves + rise + 0.7]);
@@ -157,6 +158,7 @@ fn flats(block: &mut Block) {
     }
 }
 
+/// One house of a row of flats.
 fn flat_house(block: &mut Block, spot: Spot, body: Body, storey: f64, sides: [Option<f64>; 4]) {
     let wall = if block.rng.random_bool(0.8) { palette::paint(&mut block.rng) } else { palette::brick(&mut block.rng) };
     let shops = block.rng.random_bool(0.4);
@@ -174,7 +176,7 @@ fn flat_house(block: &mut Block, spot: Spot, body: Body, storey: f64, sides: [Op
         let skylights = Inlay { across: [0.4, 0.6], up: [0.3, 0.6], finish: palette::glass(&mut block.rng) };
         let inlay = block.rng.random_bool(0.5).then_some(skylights);
         let rise = body.half.y * block.rng.random_range(0.35..0.6);
-        building::gable(block, spot, body.half, [top, rise], &cover, &wall, inlay);
+        building::gable(block, spot, body.half, Pitch { eaves: top, rise }, &cover, &wall, inlay);
     }
 }
 
@@ -200,7 +202,7 @@ fn hall(block: &mut Block) {
     if block.rng.random_bool(0.6) {
         let skylight = Inlay { across: [0.1, 0.9], up: [0.4, 0.6], finish: palette::glass(&mut block.rng) };
         let rise = half.y * 0.25;
-        building::gable(block, spot, half, [storey, rise], &cover, &wall, Some(skylight));
+        building::gable(block, spot, half, Pitch { eaves: storey, rise }, &cover, &wall, Some(skylight));
     } else {
         let cover = palette::flat_roof(&mut block.rng);
         building::flat(block, spot, half, storey, &cover, &wall);
@@ -210,7 +212,7 @@ fn hall(block: &mut Block) {
 
 /// Parking bays, 2.6 m wide, with lines between and cars in some.
 fn bays(block: &mut Block, rect: Rect, yard: &Finish) {
-    let count = (rect.size().x / 2.6) as usize;
+    let count = usize::cut(rect.size().x / 2.6);
     let width = rect.size().x / count as f64;
     let mark = palette::marking();
     for k in 0..count {
@@ -267,12 +269,12 @@ fn church(block: &mut Block) {
     let cover = palette::tiles(&mut block.rng);
     let spot = Spot::new(nave, 0.0);
     building::walls(block, spot, Body { half, storeys: 1 }, &facade, [Some(0.0); 4]);
-    building::gable(block, spot, half, [7.0, 6.0], &cover, &wall, None);
+    building::gable(block, spot, half, Pitch { eaves: 7.0, rise: 6.0 }, &cover, &wall, None);
     let facade = Facade { bay: 5.8, storey: 5.6, window: DVec2::new(1.2, 2.2), ..facade };
     let spot = Spot::new(tower, -FRAC_PI_2);
     building::walls(block, spot, Body { half: tower_half, storeys: 3 }, &facade, [Some(0.0); 4]);
     let copper = palette::copper(&mut block.rng);
-    building::hip(block, spot, tower_half, [16.8, 8.5], &copper, None);
+    building::hip(block, spot, tower_half, Pitch { eaves: 16.8, rise: 8.5 }, &copper, None);
     for rect in
         [Rect::new(WIDTH, PITCH, WIDTH, nave.y - half.y - 2.0), Rect::new(WIDTH, PITCH, nave.y + half.y + 2.0, PITCH)]
     {

@@ -1,26 +1,27 @@
-//! Buildings: façades of bays with windows, and the roofs over them. A building is made in its own axes about its
-//! middle, its front towards -y, its floor at z = 0; its walls end in the ground, wherever that lies.
+//! Buildings: façades of bays with windows, and roofs. A building is made in its own axes about its middle, its front
+//! towards -y, its floor at z = 0; the walls end in the ground, wherever that lies.
 
 use glam::{DVec2, DVec3};
 use rand::RngExt;
 
 use super::palette;
 use super::surface::{Block, Finish, Spot};
+use crate::base::convert::Cut;
 
-/// Height of a roof's covering above the walls it rests on, metres: without it the two would mingle.
+/// Height of a roof's covering above the walls, metres: without it covering and walls would mingle.
 const COVER: f64 = 0.12;
 
-/// The height that stands for where the wall meets the ground.
+/// The height that stands for the ground under the wall.
 const GROUND: f64 = f64::NEG_INFINITY;
 
-/// How a façade looks.
+/// The look of a façade.
 #[derive(Debug, Clone, Copy)]
-pub struct Facade {
+pub(super) struct Facade {
     /// The wall.
     pub wall: Finish,
     /// The ground floor's wall.
     pub plinth: Finish,
-    /// Width of a bay, metres; each has a window.
+    /// Width of a bay, metres; each bay has a window.
     pub bay: f64,
     /// Height of a storey, metres.
     pub storey: f64,
@@ -34,25 +35,25 @@ pub struct Facade {
 
 /// The shape of a building: half its extents along its own x and y, and its storeys.
 #[derive(Debug, Clone, Copy)]
-pub struct Body {
+pub(super) struct Body {
     /// Half extents, metres.
     pub half: DVec2,
-    /// Storeys.
+    /// The number of storeys.
     pub storeys: usize,
 }
 
-/// Which bay of a wall is a door.
+/// The door of a wall.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Door {
-    /// None.
+pub(super) enum Door {
+    /// No door.
     No,
-    /// The middle one.
+    /// A door in the middle bay.
     Middle,
 }
 
-/// The four walls, the front first. `sides` tells for each of the four (front, right, back, left) from which height it
-/// is free-standing: `None` for a wall wholly hidden by a neighbour, 0 for a free one.
-pub fn walls(block: &mut Block, spot: Spot, body: Body, facade: &Facade, sides: [Option<f64>; 4]) {
+/// The four walls. `sides` gives for front, right, back and left the height above which the wall stands free: 0 for a free
+/// wall, `None` for a wall that a neighbour hides.
+pub(super) fn walls(block: &mut Block, spot: Spot, body: Body, facade: &Facade, sides: [Option<f64>; 4]) {
     let DVec2 { x, y } = body.half;
     let ring = [DVec2::new(-x, -y), DVec2::new(x, -y), DVec2::new(x, y), DVec2::new(-x, y)];
     for (k, free) in sides.into_iter().enumerate() {
@@ -72,7 +73,7 @@ pub fn walls(block: &mut Block, spot: Spot, body: Body, facade: &Facade, sides: 
 /// A wall of bays and storeys.
 fn front(block: &mut Block, spot: Spot, [from, to]: [DVec2; 2], storeys: usize, facade: &Facade, door: Door) {
     let length = from.distance(to);
-    let bays = ((length / facade.bay).round() as usize).max(1);
+    let bays = usize::cut((length / facade.bay).round()).max(1);
     let bay = length / bays as f64;
     for storey in 0..storeys {
         let (floor, ceiling) = (storey as f64 * facade.storey, (storey + 1) as f64 * facade.storey);
@@ -115,24 +116,32 @@ fn rect(block: &mut Block, spot: Spot, from: DVec2, to: DVec2, [u0, u1, z0, z1]:
     block.patch(spot, corners, finish);
 }
 
-/// What lies on a pitched roof besides its covering: a share of the slope's width and height, and its finish.
+/// A surface that lies in the covering of a pitched roof: a share of the slope's width and height, and a finish.
 #[derive(Debug, Clone, Copy)]
-pub struct Inlay {
+pub(super) struct Inlay {
     /// Least and greatest share of the width.
     pub across: [f64; 2],
     /// Least and greatest share of the way up.
     pub up: [f64; 2],
-    /// What it is made of.
+    /// The inlay's finish.
     pub finish: Finish,
 }
 
-/// A gable roof, its ridge along x, over walls that end at `eaves`; `rise` from eaves to ridge, all metres. The gables
-/// are closed with `wall`; the inlay lies on the front slope.
-pub fn gable(
+/// The heights of a pitched roof, metres.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Pitch {
+    /// Height of the eaves, where the walls end.
+    pub eaves: f64,
+    /// Height of the ridge above the eaves.
+    pub rise: f64,
+}
+
+/// A gable roof, its ridge along x. The gables are closed with `wall`; the inlay lies on the front slope.
+pub(super) fn gable(
     block: &mut Block,
     spot: Spot,
     half: DVec2,
-    [eaves, rise]: [f64; 2],
+    Pitch { eaves, rise }: Pitch,
     cover: &Finish,
     wall: &Finish,
     inlay: Option<Inlay>,
@@ -156,8 +165,9 @@ pub fn gable(
     }
 }
 
-/// A hipped roof; `half.x` must not be less than `half.y`. A square one is a pyramid.
-pub fn hip(block: &mut Block, spot: Spot, half: DVec2, [eaves, rise]: [f64; 2], cover: &Finish, inlay: Option<Inlay>) {
+/// A hipped roof; `half.x` must not be less than `half.y`. Over a square the roof is a pyramid.
+pub(super) fn hip(block: &mut Block, spot: Spot, half: DVec2, pitch: Pitch, cover: &Finish, inlay: Option<Inlay>) {
+    let Pitch { eaves, rise } = pitch;
     let over = 0.45;
     let low = eaves + COVER - over * rise / half.y;
     let (x, y, ridge) = (half.x + over, half.y + over, eaves + COVER + rise);
@@ -178,6 +188,7 @@ pub fn hip(block: &mut Block, spot: Spot, half: DVec2, [eaves, rise]: [f64; 2], 
     block.gable(spot, [corner(-1.0, 1.0), corner(-1.0, -1.0), peak(-1.0)], cover);
 }
 
+/// A slope with an inlay in its covering.
 fn inlaid(block: &mut Block, spot: Spot, slope: [DVec3; 4], cover: &Finish, inlay: Option<Inlay>) {
     block.patch_cells(spot, slope, |u, v| match inlay {
         Some(i) if i.across[0] < u && u < i.across[1] && i.up[0] < v && v < i.up[1] => i.finish,
@@ -186,7 +197,7 @@ fn inlaid(block: &mut Block, spot: Spot, slope: [DVec3; 4], cover: &Finish, inla
 }
 
 /// A flat roof behind a parapet, over walls that end at `top`.
-pub fn flat(block: &mut Block, spot: Spot, half: DVec2, top: f64, cover: &Finish, parapet: &Finish) {
+pub(super) fn flat(block: &mut Block, spot: Spot, half: DVec2, top: f64, cover: &Finish, parapet: &Finish) {
     let (width, depth) = (0.35, 0.45);
     let ring = |inset: f64, z: f64| {
         let DVec2 { x, y } = half - inset;
@@ -200,19 +211,19 @@ pub fn flat(block: &mut Block, spot: Spot, half: DVec2, top: f64, cover: &Finish
     }
     block.patch(spot, floor, cover);
     // Lift heads and ventilation.
-    let units = (half.x * half.y / 16.0) as usize;
+    let units = usize::cut(half.x * half.y / 16.0);
     for _ in 0..units.clamp(1, 8) {
         let metal = palette::sheet(&mut block.rng);
         let size = DVec2::new(block.rng.random_range(0.5..1.1), block.rng.random_range(0.5..1.1));
-        let room = half - width - size - 0.4;
-        let at = DVec2::new(block.rng.random_range(-1.0..1.0), block.rng.random_range(-1.0..1.0)) * room;
+        let reach = half - width - size - 0.4;
+        let at = DVec2::new(block.rng.random_range(-1.0..1.0), block.rng.random_range(-1.0..1.0)) * reach;
         let high = top - depth + block.rng.random_range(0.7..1.6);
         block.solid(spot, (at - size).extend(top - depth - 0.05), (at + size).extend(high), &metal, &metal);
     }
 }
 
 /// A chimney through a roof, from `low` to `high`.
-pub fn chimney(block: &mut Block, spot: Spot, at: DVec2, [low, high]: [f64; 2]) {
+pub(super) fn chimney(block: &mut Block, spot: Spot, at: DVec2, [low, high]: [f64; 2]) {
     let (brick, top) = (palette::brick(&mut block.rng), palette::stone(&mut block.rng));
     block.solid(spot, (at - 0.4).extend(low), (at + 0.4).extend(high), &brick, &top);
 }

@@ -1,75 +1,147 @@
-//! What a city is made from.
+//! Section `[synth.city]`: what a city is made from.
 
-use serde::{Deserialize, Serialize};
+use std::fmt::Display;
+use std::ops::RangeInclusive;
+
+use serde::Serialize;
 
 use crate::base::{Error, Result};
+use crate::config::{Effect, Key, Keys, Section, Settings, Value, defaults, outside};
 
-/// A city's configuration. Everything has a default, and two equal configurations give the same files, byte for byte.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
+/// A city's configuration. Two equal configurations give the same files, byte for byte.
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CityConfig {
-    /// Seed of everything random.
+    /// The seed of everything random.
     pub seed: u64,
-    /// Triangles to aim at, 5,000 to 20,000,000. The town grows with it; the count is met to a fifth, below
-    /// 50,000 more roughly.
+    /// Triangles to aim at. The town grows with them; the count is met to a fifth, below 50,000 more roughly.
     pub triangles: u32,
-    /// Photographs, 1 to 100,000: two fifths on a low ring, two fifths on a high ring, the rest looking straight down.
+    /// Photographs: two fifths on a low ring, two fifths on a high ring, the rest looking straight down.
     pub frames: u32,
-    /// Columns of a photograph, 16 to 16,384.
+    /// Columns of a photograph.
     pub width: u32,
-    /// Rows of a photograph, 16 to 16,384.
+    /// Rows of a photograph.
     pub height: u32,
-    /// Samples of a pixel along either axis, 1 to 4. One shows a triangle a pixel; more mix them at their edges, as
-    /// lenses do.
+    /// Samples of a pixel along either axis. One shows a triangle a pixel; more mix triangles at their edges, as lenses do.
     pub supersampling: u32,
-    /// The sun's height above the horizon, 5 to 90 degrees.
+    /// The sun's height above the horizon, degrees.
     pub sun_elevation_deg: f64,
     /// The sun's direction from +x towards +y, degrees.
     pub sun_azimuth_deg: f64,
-    /// Radiance of the sky, linear RGB, 0 to 1: what a white Lambertian under the open sky has in the shade.
+    /// Radiance of the sky, linear RGB. A white Lambertian in the shade, under all of the sky, has this radiance too.
     pub sky: [f32; 3],
-    /// Quality of the JPEG files, 50 to 100.
+    /// Quality of the JPEG files.
     pub jpeg_quality: u8,
 }
 
+const TRIANGLES: RangeInclusive<u32> = 5000..=20_000_000;
+const FRAMES: RangeInclusive<u32> = 1..=100_000;
+const SIDE: RangeInclusive<u32> = 16..=16_384;
+const SUPERSAMPLING: RangeInclusive<u32> = 1..=4;
+const ELEVATION: RangeInclusive<f64> = 5.0..=90.0;
+const AZIMUTH: RangeInclusive<f64> = -360.0..=360.0;
+const SKY: RangeInclusive<f32> = 0.0..=1.0;
+const QUALITY: RangeInclusive<u8> = 50..=100;
+
 impl Default for CityConfig {
     fn default() -> Self {
+        defaults()
+    }
+}
+
+impl Section for CityConfig {
+    const NAME: &'static str = "synth.city";
+    const ABOUT: &'static str = "The city that is made.";
+    const KEYS: &'static [Key] = &[
+        Key { name: "seed", doc: "The seed of everything random.", value: Value::Default("35") },
+        Key { name: "triangles", doc: "Triangles to aim at, 5000 to 20000000.", value: Value::Default("50000") },
+        Key { name: "frames", doc: "Photographs, 1 to 100000.", value: Value::Default("60") },
+        Key { name: "width", doc: "Columns of a photograph, 16 to 16384.", value: Value::Default("1200") },
+        Key { name: "height", doc: "Rows of a photograph, 16 to 16384.", value: Value::Default("900") },
+        Key { name: "supersampling", doc: "Samples of a pixel along either axis, 1 to 4.", value: Value::Default("2") },
+        Key {
+            name: "sun_elevation_deg",
+            doc: "The sun's height above the horizon, 5 to 90 degrees.",
+            value: Value::Default("47.0"),
+        },
+        Key {
+            name: "sun_azimuth_deg",
+            doc: "The sun's direction from +x towards +y, -360 to 360 degrees.",
+            value: Value::Default("228.0"),
+        },
+        Key {
+            name: "sky",
+            doc: "Radiance of the sky, linear RGB, 0 to 1.",
+            value: Value::Default("[0.16, 0.19, 0.24]"),
+        },
+        Key { name: "jpeg_quality", doc: "Quality of the JPEG files, 50 to 100.", value: Value::Default("95") },
+    ];
+
+    fn read(keys: &Keys<'_>) -> Self {
+        let sky: [f32; 3] = keys.value("sky");
+        keys.check("sky", sky.iter().all(|v| SKY.contains(v)), "must be three numbers, 0 to 1");
         CityConfig {
-            seed: 35,
-            triangles: 50_000,
-            frames: 60,
-            width: 1200,
-            height: 900,
-            supersampling: 2,
-            sun_elevation_deg: 47.0,
-            sun_azimuth_deg: 228.0,
-            sky: [0.16, 0.19, 0.24],
-            jpeg_quality: 95,
+            seed: keys.value("seed"),
+            triangles: keys.within("triangles", TRIANGLES),
+            frames: keys.within("frames", FRAMES),
+            width: keys.within("width", SIDE),
+            height: keys.within("height", SIDE),
+            supersampling: keys.within("supersampling", SUPERSAMPLING),
+            sun_elevation_deg: keys.within("sun_elevation_deg", ELEVATION),
+            sun_azimuth_deg: keys.within("sun_azimuth_deg", AZIMUTH),
+            sky,
+            jpeg_quality: keys.within("jpeg_quality", QUALITY),
         }
+    }
+
+    fn settings(&self) -> Settings {
+        let CityConfig {
+            seed,
+            triangles,
+            frames,
+            width,
+            height,
+            supersampling,
+            sun_elevation_deg,
+            sun_azimuth_deg,
+            sky,
+            jpeg_quality,
+        } = self;
+        Settings::of(Self::NAME)
+            .with("seed", seed, Effect::Input)
+            .with("triangles", triangles, Effect::Input)
+            .with("frames", frames, Effect::Input)
+            .with("width", width, Effect::Input)
+            .with("height", height, Effect::Input)
+            .with("supersampling", supersampling, Effect::Input)
+            .with("sun_elevation_deg", sun_elevation_deg, Effect::Input)
+            .with("sun_azimuth_deg", sun_azimuth_deg, Effect::Input)
+            .with("sky", sky, Effect::Input)
+            .with("jpeg_quality", jpeg_quality, Effect::Input)
     }
 }
 
 impl CityConfig {
-    /// Whether every value is in its range.
+    /// Checks a configuration that was not read from a file.
     ///
     /// # Errors
-    /// Names every value that is not, with its range.
+    /// Names every value that is out of its range, with the range.
     pub fn check(&self) -> Result<()> {
-        let mut problems = Vec::new();
-        let mut within = |name: &str, value: f64, low: f64, high: f64| {
-            if !(low..=high).contains(&value) {
-                problems.push(format!("{name} is {value}, but must lie in {low} to {high}"));
-            }
-        };
-        within("triangles", f64::from(self.triangles), 5e3, 2e7);
-        within("frames", f64::from(self.frames), 1.0, 1e5);
-        within("width", f64::from(self.width), 16.0, 16_384.0);
-        within("height", f64::from(self.height), 16.0, 16_384.0);
-        within("supersampling", f64::from(self.supersampling), 1.0, 4.0);
-        within("sun_elevation_deg", self.sun_elevation_deg, 5.0, 90.0);
-        within("sun_azimuth_deg", self.sun_azimuth_deg, -360.0, 360.0);
-        self.sky.iter().for_each(|&v| within("sky", f64::from(v), 0.0, 1.0));
-        within("jpeg_quality", f64::from(self.jpeg_quality), 50.0, 100.0);
+        let mut problems = vec![
+            wrong("triangles", TRIANGLES, self.triangles),
+            wrong("frames", FRAMES, self.frames),
+            wrong("width", SIDE, self.width),
+            wrong("height", SIDE, self.height),
+            wrong("supersampling", SUPERSAMPLING, self.supersampling),
+            wrong("sun_elevation_deg", ELEVATION, self.sun_elevation_deg),
+            wrong("sun_azimuth_deg", AZIMUTH, self.sun_azimuth_deg),
+            wrong("jpeg_quality", QUALITY, self.jpeg_quality),
+        ];
+        problems.extend(self.sky.map(|v| wrong("sky", SKY, v)));
+        let problems: Vec<String> = problems.into_iter().flatten().collect();
         if problems.is_empty() { Ok(()) } else { Err(Error::invalid(format!("city: {}", problems.join("; ")))) }
     }
+}
+
+fn wrong<T: PartialOrd + Display>(key: &str, range: RangeInclusive<T>, value: T) -> Option<String> {
+    outside(&range, &value).map(|problem| format!("{key} is {value}, but {}", problem.rule))
 }

@@ -1,9 +1,9 @@
-//! A city's folder: whether it holds what is wanted, something of an earlier or interrupted making, or something else.
+//! A city's folder: whether it holds the wanted city, another or an unfinished city, or the files of another program.
 //!
-//! While a city is being made its folder holds `city.unfinished`: empty as long as there may be photographs of an earlier
-//! city, then with the configuration of this one, so that the photographs that are there can be kept. When all other files
-//! are durable `city.json` is written and the mark is taken away. A folder with neither, that is not empty, is not ours and
-//! is left alone.
+//! While a city is being made its folder holds the mark `city.unfinished`: empty as long as photographs of an earlier city
+//! may be there, then with the configuration of this city, so that its photographs can be kept. When all other files are
+//! durable, `city.json` is written and the mark is removed. A folder that is not empty and has neither file belongs to
+//! another program and is left alone.
 
 use std::fs;
 use std::io::ErrorKind;
@@ -13,142 +13,145 @@ use serde_json::{Value, json};
 
 use super::CityConfig;
 use crate::base::{Error, Result};
-use crate::disk::{Room, room, write_atomic};
+use crate::disk::{Space, space, write_atomic};
 
-/// Written last: the configuration, and what came of it.
-pub const RECORD: &str = "city.json";
-/// There while the city is being made.
+/// The file of a finished city, written last: the configuration, and the counts of triangles and frames.
+pub(super) const FINISHED: &str = "city.json";
+/// The mark of a city that is being made.
 const MARK: &str = "city.unfinished";
-/// Changes whenever the same configuration gives other files.
+/// The version of the files that a configuration gives.
 const VERSION: u32 = 1;
 
-/// What a finished city amounts to.
+/// The counts of a finished city.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Summary {
+pub(crate) struct Summary {
     /// Triangles of the mesh.
     pub triangles: u64,
     /// Photographs.
     pub frames: u64,
-    /// Whether it was there already, made from the same configuration.
+    /// Whether the city was there already, made from the same configuration.
     pub reused: bool,
 }
 
-/// What the folder holds.
+/// The contents of a folder.
 #[derive(Debug, PartialEq, Eq)]
-pub enum Found {
-    /// Nothing that is wanted, and nothing of anybody else's.
-    Room,
-    /// A finished city of this configuration.
+pub(super) enum Found {
+    /// Nothing, or files of a city that may make way.
+    Free,
+    /// The finished city of this configuration.
     Finished(Summary),
 }
 
-/// Looks what a folder holds; it need not be there.
+/// Looks into a folder, which need not exist.
 ///
 /// # Errors
-/// The folder holds something that is not a city, or cannot be read.
-pub fn look(folder: &Path, config: &CityConfig) -> Result<Found> {
+/// The folder holds files that are not a city's, or cannot be read.
+pub(super) fn look(folder: &Path, config: &CityConfig) -> Result<Found> {
     let mut entries = match fs::read_dir(folder) {
         Ok(entries) => entries,
-        Err(why) if why.kind() == ErrorKind::NotFound => return Ok(Found::Room),
+        Err(why) if why.kind() == ErrorKind::NotFound => return Ok(Found::Free),
         Err(why) => return Err(Error::io("read the folder", folder)(why)),
     };
-    let Some(first) = entries.next() else { return Ok(Found::Room) };
-    let record = folder.join(RECORD);
-    let text = match fs::read_to_string(&record) {
+    let Some(first) = entries.next() else { return Ok(Found::Free) };
+    let finished = folder.join(FINISHED);
+    let text = match fs::read_to_string(&finished) {
         Ok(text) => text,
-        Err(why) if why.kind() == ErrorKind::NotFound && folder.join(MARK).is_file() => return Ok(Found::Room),
+        Err(why) if why.kind() == ErrorKind::NotFound && folder.join(MARK).is_file() => return Ok(Found::Free),
         Err(why) if why.kind() == ErrorKind::NotFound => {
             let name = first.map_err(Error::io("read the folder", folder))?.file_name();
             return Err(Error::malformed(
                 folder,
                 format!(
-                    "holds {} and no {RECORD}: this is no city, and is left alone; name a new or empty folder",
+                    "it holds {} and no {FINISHED}, so it is no city's folder and is left alone; name a new or empty folder",
                     name.display()
                 ),
             ));
         }
-        Err(why) => return Err(Error::io("read", &record)(why)),
+        Err(why) => return Err(Error::io("read", &finished)(why)),
     };
     let value: Value = serde_json::from_str(&text).unwrap_or_default();
     if value["format"] != "gonio city" {
-        let words = "does not say {\"format\": \"gonio city\"}: the folder is another program's, and is left alone";
-        return Err(Error::malformed(&record, words));
+        let words = "it lacks {\"format\": \"gonio city\"}, so the folder is another program's and is left alone; name a \
+                     new or empty folder";
+        return Err(Error::malformed(&finished, words));
     }
     let summary = |triangles, frames| Summary { triangles, frames, reused: true };
-    // As text: a number need not be read as the bits that it was written from.
+    // NOTE: texts are compared, since a number may be read as other bits than it was written from.
     match (value["triangles"].as_u64(), value["frames"].as_u64()) {
         (Some(t), Some(f)) if text == written(config, summary(t, f)) => Ok(Found::Finished(summary(t, f))),
-        _ => Ok(Found::Room),
+        _ => Ok(Found::Free),
     }
 }
 
 /// Whether the folder holds the finished city.
-pub fn is_finished(folder: &Path, config: &CityConfig) -> bool {
+pub(crate) fn is_finished(folder: &Path, config: &CityConfig) -> bool {
     matches!(look(folder, config), Ok(Found::Finished(_)))
 }
 
-/// The room that making the city takes, none where it is there. What is in the folder makes way, or is kept.
+/// The disk space that making the city takes; `None` where the finished city is there. Files of a city in the folder make
+/// way or are kept, so their space counts as free.
 ///
 /// # Errors
-/// As for [`look`].
-pub fn room(folder: &Path, config: &CityConfig) -> Result<Option<Room>> {
-    if look(folder, config)? != Found::Room {
+/// The errors of [`look`].
+pub(crate) fn space(folder: &Path, config: &CityConfig) -> Result<Option<Space>> {
+    if look(folder, config)? != Found::Free {
         return Ok(None);
     }
     let there: u64 = ["", "images", "truth", "unfinished"].iter().map(|sub| size(&folder.join(sub))).sum();
     let pixels = u64::from(config.frames) * u64::from(config.width) * u64::from(config.height);
     let all = BYTES_PER_PIXEL * pixels + BYTES_PER_TRIANGLE * u64::from(config.triangles);
-    Ok(Some(Room { folder: folder.to_path_buf(), needs: all.saturating_sub(there), free: room::free(folder) }))
+    Ok(Some(Space { folder: folder.to_path_buf(), needs: all.saturating_sub(there), free: space::free(folder) }))
 }
 
-/// Bytes of a photograph's pixel: 0.34 were measured with two by two samples, 1.05 with one.
+/// Bytes of a photograph's pixel: measured 0.34 with two by two samples, 1.05 with one.
 const BYTES_PER_PIXEL: u64 = 1;
-/// Bytes of a triangle: 41 in the mesh, 28 of its material, and while photographs are taken 138 of the scene cache and 8 of
-/// the sky.
+/// Bytes of a triangle: 41 in the mesh, 28 of its material, and while photographs are taken 138 in the scene cache and 8 of
+/// its share of the sky.
 const BYTES_PER_TRIANGLE: u64 = 215;
 
-/// Bytes of the files in a folder, as far as it can be read.
+/// Bytes of the files in a folder, as far as the folder can be read.
 fn size(folder: &Path) -> u64 {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
     entries.filter_map(|entry| entry.metadata().ok()).filter(|found| found.is_file()).map(|found| found.len()).sum()
 }
 
-/// Marks the folder as being made, and only then forgets the city that it held.
-pub fn begin(folder: &Path) -> Result<()> {
+/// Marks the folder's city as unfinished, and only then forgets the finished city that it held.
+pub(super) fn begin(folder: &Path) -> Result<()> {
     fs::create_dir_all(folder).map_err(Error::io("create", folder))?;
-    // IMPORTANT: the mark first: a folder with neither is taken for somebody else's.
+    // IMPORTANT: the mark first: a folder with neither file is taken for another program's.
     write_atomic(folder.join(MARK), |_| Ok(()))?;
-    remove(&folder.join(RECORD))
+    remove(&folder.join(FINISHED))
 }
 
-/// Says that from now on all photographs in the folder are of this configuration.
-pub fn own(folder: &Path, config: &CityConfig) -> Result<()> {
+/// Writes into the mark that from now on all photographs in the folder are of this configuration.
+pub(super) fn own(folder: &Path, config: &CityConfig) -> Result<()> {
     let path = folder.join(MARK);
     let text = mark(config);
     write_atomic(&path, |out| out.write_all(text.as_bytes()).map_err(Error::io("write", &path)))
 }
 
-/// Whether a city of this configuration was being made here, so that its photographs can be kept.
-pub fn owned(folder: &Path, config: &CityConfig) -> bool {
+/// Whether the folder holds an unfinished city of this configuration, whose photographs can be kept.
+pub(super) fn owned(folder: &Path, config: &CityConfig) -> bool {
     let begun = fs::read_to_string(folder.join(MARK)).is_ok_and(|text| text == mark(config));
-    begun && !folder.join(RECORD).exists()
+    begun && !folder.join(FINISHED).exists()
 }
 
+/// The text of the mark.
 fn mark(config: &CityConfig) -> String {
     format!("{:#}\n", json!({ "version": VERSION, "config": config }))
 }
 
-/// Declares the city finished: everything else must be durable.
-pub fn finish(folder: &Path, config: &CityConfig, summary: Summary) -> Result<()> {
-    let path = folder.join(RECORD);
+/// Declares the city finished: all its other files must be durable.
+pub(super) fn finish(folder: &Path, config: &CityConfig, summary: Summary) -> Result<()> {
+    let path = folder.join(FINISHED);
     let text = written(config, summary);
     write_atomic(&path, |out| out.write_all(text.as_bytes()).map_err(Error::io("write", &path)))?;
     remove(&folder.join(MARK))
 }
 
-/// Removes the files of a folder that begin with `stem` but are not wanted: frames of an earlier city, and what an
-/// interrupted one left under temporary names.
-pub fn sweep(folder: &Path, stem: &str, wanted: impl Fn(&str) -> bool) -> Result<()> {
+/// Removes the files of a folder whose names begin with `stem` and are not wanted: frames of an earlier city, and files that
+/// an interrupted making left under temporary names.
+pub(super) fn sweep(folder: &Path, stem: &str, wanted: impl Fn(&str) -> bool) -> Result<()> {
     for entry in fs::read_dir(folder).map_err(Error::io("read the folder", folder))? {
         let name = entry.map_err(Error::io("read the folder", folder))?.file_name();
         if name.to_str().is_some_and(|name| name.starts_with(stem) && !wanted(name)) {
@@ -159,7 +162,7 @@ pub fn sweep(folder: &Path, stem: &str, wanted: impl Fn(&str) -> bool) -> Result
 }
 
 /// Makes all files of a folder durable.
-pub fn sync(folder: &Path) -> Result<()> {
+pub(super) fn sync(folder: &Path) -> Result<()> {
     for entry in fs::read_dir(folder).map_err(Error::io("read the folder", folder))? {
         let path = entry.map_err(Error::io("read the folder", folder))?.path();
         fs::File::open(&path).and_then(|f| f.sync_all()).map_err(Error::io("sync", &path))?;
@@ -167,29 +170,30 @@ pub fn sync(folder: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Removes a folder with all that is in it, if it is there.
-pub fn remove_all(path: &Path) -> Result<()> {
+/// Removes a folder and its contents, if the folder exists.
+pub(super) fn remove_all(path: &Path) -> Result<()> {
     match fs::remove_dir_all(path) {
         Err(why) if why.kind() != ErrorKind::NotFound => Err(Error::io("remove", path)(why)),
         _ => Ok(()),
     }
 }
 
-/// Removes a file, if it is there.
-pub fn remove(path: &Path) -> Result<()> {
+/// Removes a file, if the file exists.
+pub(super) fn remove(path: &Path) -> Result<()> {
     match fs::remove_file(path) {
         Err(why) if why.kind() != ErrorKind::NotFound => Err(Error::io("remove", path)(why)),
         _ => Ok(()),
     }
 }
 
+/// The text of the file of a finished city.
 fn written(config: &CityConfig, summary: Summary) -> String {
-    let record = json!({
+    let finished = json!({
         "format": "gonio city",
         "version": VERSION,
         "config": config,
         "triangles": summary.triangles,
         "frames": summary.frames,
     });
-    format!("{record:#}\n")
+    format!("{finished:#}\n")
 }

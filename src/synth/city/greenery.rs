@@ -1,4 +1,4 @@
-//! What grows: broad-leaved trees, conifers, hedges.
+//! Plants: broad-leaved trees, conifers, hedges.
 
 use std::f64::consts::TAU;
 
@@ -7,9 +7,10 @@ use rand::RngExt;
 
 use super::palette;
 use super::surface::{Block, Rect, Spot};
+use crate::base::convert::Cut;
 
 /// A tree of the given height, metres: a trunk and one or two crowns, or a conifer.
-pub fn tree(block: &mut Block, at: DVec2, height: f64) {
+pub(super) fn tree(block: &mut Block, at: DVec2, height: f64) {
     let spot = Spot::new(at, block.rng.random_range(0.0..TAU));
     if block.rng.random_bool(0.18) {
         let needles = palette::needles(&mut block.rng);
@@ -38,7 +39,7 @@ fn trunk(block: &mut Block, spot: Spot, radius: f64, height: f64) {
 }
 
 /// A clipped hedge over a rectangle, about 1.2 m high.
-pub fn hedge(block: &mut Block, rect: Rect) {
+pub(super) fn hedge(block: &mut Block, rect: Rect) {
     let needles = palette::needles(&mut block.rng).shaded(1.5);
     let half = rect.size() * 0.5;
     let height = block.rng.random_range(0.9..1.4);
@@ -46,14 +47,14 @@ pub fn hedge(block: &mut Block, rect: Rect) {
     block.solid(spot, (-half).extend(-0.1), half.extend(height), &needles, &needles);
 }
 
-/// Trees at random over a rectangle, one to so many square metres, away from its edge.
-pub fn grove(block: &mut Block, rect: Rect, square_metres: f64, heights: std::ops::Range<f64>) {
+/// Trees at random over a rectangle and away from its edge, one for each `square_metres`.
+pub(super) fn grove(block: &mut Block, rect: Rect, square_metres: f64, heights: std::ops::Range<f64>) {
     let size = rect.size() - 2.0;
     if size.min_element() <= 0.0 {
         return;
     }
     let expected = size.x * size.y / square_metres;
-    let count = expected as usize + usize::from(block.rng.random_bool(expected.fract()));
+    let count = usize::cut(expected) + usize::from(block.rng.random_bool(expected.fract()));
     for _ in 0..count {
         let at = DVec2::new(block.rng.random_range(0.0..size.x), block.rng.random_range(0.0..size.y));
         let height = block.rng.random_range(heights.clone());

@@ -7,13 +7,13 @@
 //! DIR/sparse/0/*.bin           COLMAP model: one PINHOLE camera, the poses, no points
 //! DIR/truth/materials.npy      [F,7] f32, rows in the order of the mesh's faces
 //! DIR/truth/light.json         the sun's direction and colour, the sky's radiance
-//! DIR/city.json                configuration and version, written last: what lacks it is unfinished
+//! DIR/city.json                configuration and version, written last: a folder without it is unfinished
 //! ```
 //!
-//! The city is made block by block, each from (seed, column, row) alone: once to be counted, once more to be written. The
-//! mesh is held while it is written; photographs are taken of what is mapped. What they need besides, the scene cache and
-//! each triangle's share of the sky, is in `DIR/unfinished` until all are taken, so that a making that was interrupted goes on
-//! where it was. The same configuration gives the same bytes for any number of threads.
+//! The city is made block by block, each block from (seed, column, row) alone: once to count the triangles, once more to
+//! write them. The mesh is held only while it is written; photographs are taken of the mapped scene cache. The scene cache
+//! and each triangle's share of the sky lie in `DIR/unfinished` until all photographs are taken, so that an interrupted
+//! making goes on where it stopped. The same configuration gives the same bytes for any number of threads.
 
 mod block;
 mod building;
@@ -26,15 +26,16 @@ mod sky;
 mod street;
 mod surface;
 mod town;
-mod write;
+pub(crate) mod write;
 
-pub use config::CityConfig;
-pub use folder::{Summary, is_finished, room};
-pub use write::{generate, generate_if_needed};
+pub(crate) use config::CityConfig;
+pub(crate) use folder::{is_finished, space};
+pub(crate) use write::generate_if_needed;
 
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
+use crate::base::convert::{Cut, to_u32};
 use crate::base::{Error, Result};
 use crate::render::Lighting;
 use crate::scene::frame::Frame;
@@ -42,32 +43,17 @@ use crate::scene::light::Sun;
 use crate::scene::survey::{Polygons, Survey};
 use crate::scene::{Material, Mesh};
 use surface::Surface;
-use town::{Town, Use};
+use town::{Density, Town, Use};
 
-/// The mesh of a city and the material of each of its triangles.
-#[derive(Debug, Clone)]
-pub struct City {
-    /// The mesh.
-    pub mesh: Mesh,
-    /// One material a triangle.
-    pub materials: Vec<Material>,
-}
-
-/// Makes the mesh and its materials.
+/// The mesh of a city that need not have been made yet.
 ///
 /// # Errors
-/// A configuration out of range.
-pub fn build(config: &CityConfig) -> Result<City> {
-    let survey = survey(config)?;
-    let mut materials = Vec::with_capacity(survey.triangles());
-    let mesh = fill(config, survey, &mut |some| {
-        materials.extend_from_slice(some);
-        Ok(())
-    })?;
-    Ok(City { mesh, materials })
+/// A value of the configuration is out of range.
+pub(crate) fn mesh(config: &CityConfig) -> Result<Mesh> {
+    fill(config, survey(config)?, &mut |_| Ok(()))
 }
 
-/// Makes the blocks once to find out how much they come to.
+/// Makes the blocks once to count vertices and triangles.
 fn survey(config: &CityConfig) -> Result<Survey> {
     config.check()?;
     let mut survey = Survey::default();
@@ -78,67 +64,66 @@ fn survey(config: &CityConfig) -> Result<Survey> {
     Ok(survey)
 }
 
-/// Makes the blocks again for the mesh, and hands their materials on in the order of its triangles. Besides the mesh, no more
-/// than a few blocks are held.
+/// Makes the blocks again to fill the mesh, and hands on their materials in the order of the mesh's triangles. Besides the
+/// mesh, only a few blocks are held.
 fn fill(config: &CityConfig, survey: Survey, materials: &mut dyn FnMut(&[Material]) -> Result<()>) -> Result<Mesh> {
     let no_mesh = |why| Error::invalid(format!("city: {why}"));
     let mut filling = survey.filling().map_err(no_mesh)?;
     let mut first = 0;
     each_block(config, &mut |block| {
         tell(block, first, &mut filling);
-        first += block.vertices.len() as u32;
+        first += to_u32(block.vertices.len());
         materials(&block.materials)
     })?;
     filling.finish().map_err(no_mesh)
 }
 
-/// Blocks that are made, and held, at a time.
+/// Blocks made, and held, at a time.
 const AT_ONCE: usize = 32;
 
-/// Makes all blocks and hands them on in their order.
+/// Makes all blocks and hands them on in order.
 fn each_block(config: &CityConfig, take: &mut dyn FnMut(&Surface) -> Result<()>) -> Result<()> {
-    let (town, cell) = plan(config);
+    let (town, cell) = lay_out(config);
     town.blocks().chunks(AT_ONCE).try_for_each(|some| {
         let made: Vec<Surface> = some.par_iter().map(|&at| block::build(&town, at, cell)).collect();
         made.iter().try_for_each(&mut *take)
     })
 }
 
-/// Tells of a block before which there are `first` vertices.
+/// Adds a block's vertices and triangles; `first` vertices come before the block's.
 fn tell(block: &Surface, first: u32, to: &mut impl Polygons) {
     block.vertices.iter().for_each(|&at| to.vertex(at));
     block.triangles.iter().for_each(|corners| to.triangle(corners.map(|i| i + first)));
 }
 
-/// The light that a city stands in, all of the sky seen from everywhere.
-pub fn lighting(config: &CityConfig) -> Lighting {
+/// The light that a city stands in, as if every triangle saw the whole sky.
+pub(crate) fn lighting(config: &CityConfig) -> Lighting {
     let (azimuth, elevation) = (config.sun_azimuth_deg.to_radians(), config.sun_elevation_deg.to_radians());
     let direction = DVec3::new(azimuth.cos() * elevation.cos(), azimuth.sin() * elevation.cos(), elevation.sin());
     let sun = Sun { direction: direction.as_vec3().normalize(), color: Vec3::ONE };
     Lighting { background: HAZE, ..Lighting::new(sun, Vec3::from(config.sky)) }
 }
 
-/// The frames of the flight, in the order of their names.
-pub fn frames(config: &CityConfig) -> Vec<Frame> {
-    flight::frames(config, &plan(config).0, 1)
+/// The frames of the flight, sorted by name.
+pub(crate) fn frames(config: &CityConfig) -> Vec<Frame> {
+    flight::frames(config, &lay_out(config).0, 1)
 }
 
-/// What lies beyond the fields.
+/// The radiance seen beyond the fields.
 const HAZE: Vec3 = Vec3::new(0.45, 0.52, 0.6);
 
-/// Edge length of cells that the size of a town is chosen for, metres.
+/// Edge length of the cells that a town's size is chosen for, metres.
 const CELL: f64 = 1.8;
 
-/// The town, and the cells' edge length, that give about the triangles that are asked for.
-fn plan(config: &CityConfig) -> (Town, f64) {
+/// The town, and the edge length of its cells in metres, with about as many triangles as the configuration asks for.
+fn lay_out(config: &CityConfig) -> (Town, f64) {
     let wanted = f64::from(config.triangles);
     let town = |side: i32| Town { seed: config.seed, side };
-    let count = |(fixed, areal): (f64, f64), cell: f64| fixed + areal / (cell * cell);
-    let side = (wanted / count(Use::Houses.triangles(), CELL)).sqrt() as i32;
-    let miss = |side: i32| (count(town(side).triangles(), CELL) / wanted).ln().abs();
+    let side = i32::cut((wanted / Use::Houses.triangles().in_cells(CELL)).sqrt());
+    let miss = |side: i32| (town(side).triangles().in_cells(CELL) / wanted).ln().abs();
     let side = (side - 2..=side + 1).map(|s| s.max(1)).min_by(|a, b| miss(*a).total_cmp(&miss(*b))).unwrap_or(1);
-    let (fixed, areal) = town(side).triangles();
-    // What the fixed part alone exceeds is met as well as coarse cells can.
+    let Density { fixed, areal } = town(side).triangles();
+    // Where the fixed number alone is too large, coarse cells come as close as they can.
     (town(side), (areal / (wanted - fixed).max(1.0)).sqrt().clamp(0.5, 6.0))
 }
 

@@ -1,5 +1,5 @@
-//! What things are made of. Albedos are linear and plausible for the substance; ks is the share of a smooth dielectric's
-//! reflection that the surface shows, near 1 for glass, lacquer and sheet metal, small for the dull and the porous.
+//! The materials of a city. Albedos are linear and plausible for the substance; ks is the share of a smooth dielectric's
+//! reflection that the surface shows, near 1 for glass, lacquer and sheet metal, small for dull and porous surfaces.
 
 use rand::RngExt;
 use rand_pcg::Pcg64;
@@ -12,7 +12,7 @@ fn finish(kd: [f32; 3], ks: f32, r: f32, grain: f32) -> Finish {
     Finish { base: Material { kd, ks: [ks; 3], r }, grain }
 }
 
-/// One of a list.
+/// A random element of a list.
 fn pick<T: Copy>(rng: &mut Pcg64, of: &[T]) -> T {
     of[rng.random_range(0..of.len())]
 }
@@ -24,42 +24,42 @@ fn vary(rng: &mut Pcg64, kd: [f32; 3], amount: f32) -> [f32; 3] {
 }
 
 /// Carriageways: old and grey or fresh and black.
-pub fn asphalt(rng: &mut Pcg64) -> Finish {
+pub(super) fn asphalt(rng: &mut Pcg64) -> Finish {
     let (grey, ks) = (rng.random_range(0.07..0.13), rng.random_range(0.2..0.4));
     finish([grey, grey, grey * 1.03], ks, rng.random_range(0.6..0.8), 0.045)
 }
 
 /// Lane and parking marks.
-pub fn marking() -> Finish {
+pub(super) fn marking() -> Finish {
     finish([0.62, 0.62, 0.6], 0.4, 0.45, 0.06)
 }
 
 /// Pavements and yards of concrete or slabs.
-pub fn paving(rng: &mut Pcg64) -> Finish {
+pub(super) fn paving(rng: &mut Pcg64) -> Finish {
     let kd = pick(rng, &[[0.33, 0.32, 0.3], [0.28, 0.27, 0.26], [0.36, 0.31, 0.25], [0.3, 0.23, 0.19]]);
     finish(vary(rng, kd, 0.1), rng.random_range(0.15..0.35), rng.random_range(0.55..0.8), 0.08)
 }
 
 /// Gravel paths.
-pub fn gravel(rng: &mut Pcg64) -> Finish {
+pub(super) fn gravel(rng: &mut Pcg64) -> Finish {
     finish(vary(rng, [0.36, 0.31, 0.24], 0.15), 0.1, 0.9, 0.1)
 }
 
 /// Lawns.
-pub fn grass(rng: &mut Pcg64) -> Finish {
+pub(super) fn grass(rng: &mut Pcg64) -> Finish {
     let kd = pick(rng, &[[0.07, 0.13, 0.035], [0.09, 0.14, 0.04], [0.06, 0.1, 0.03], [0.12, 0.14, 0.05]]);
     finish(vary(rng, kd, 0.15), rng.random_range(0.1..0.25), rng.random_range(0.7..0.9), 0.13)
 }
 
 /// Farmland: green, ripe or ploughed.
-pub fn crop(rng: &mut Pcg64) -> Finish {
+pub(super) fn crop(rng: &mut Pcg64) -> Finish {
     let kd =
         pick(rng, &[[0.09, 0.15, 0.04], [0.3, 0.25, 0.11], [0.16, 0.11, 0.07], [0.13, 0.17, 0.05], [0.36, 0.31, 0.08]]);
     finish(vary(rng, kd, 0.15), rng.random_range(0.05..0.2), rng.random_range(0.7..0.95), 0.14)
 }
 
 /// Roof tiles and slates.
-pub fn tiles(rng: &mut Pcg64) -> Finish {
+pub(super) fn tiles(rng: &mut Pcg64) -> Finish {
     let kd = pick(
         rng,
         &[
@@ -75,7 +75,7 @@ pub fn tiles(rng: &mut Pcg64) -> Finish {
 }
 
 /// Coated or bare sheet-metal roofs.
-pub fn sheet(rng: &mut Pcg64) -> Finish {
+pub(super) fn sheet(rng: &mut Pcg64) -> Finish {
     let kd = pick(
         rng,
         &[
@@ -91,21 +91,21 @@ pub fn sheet(rng: &mut Pcg64) -> Finish {
 }
 
 /// Weathered copper: spires.
-pub fn copper(rng: &mut Pcg64) -> Finish {
+pub(super) fn copper(rng: &mut Pcg64) -> Finish {
     let mut copper = finish([0.13, 0.28, 0.22], 0.8, rng.random_range(0.3..0.45), 0.1);
     copper.base.ks = [0.7, 0.85, 0.8];
     copper
 }
 
 /// Flat roofs: bitumen, gravel or a pale membrane.
-pub fn flat_roof(rng: &mut Pcg64) -> Finish {
+pub(super) fn flat_roof(rng: &mut Pcg64) -> Finish {
     let (kd, ks, r) =
         pick(rng, &[([0.08, 0.08, 0.085], 0.35, 0.6), ([0.3, 0.28, 0.25], 0.15, 0.85), ([0.58, 0.58, 0.57], 0.4, 0.5)]);
     finish(vary(rng, kd, 0.15), ks, r + rng.random_range(-0.06..0.06), 0.05)
 }
 
 /// Rendered and painted walls.
-pub fn paint(rng: &mut Pcg64) -> Finish {
+pub(super) fn paint(rng: &mut Pcg64) -> Finish {
     let kd = pick(
         rng,
         &[
@@ -124,24 +124,24 @@ pub fn paint(rng: &mut Pcg64) -> Finish {
 }
 
 /// Brick.
-pub fn brick(rng: &mut Pcg64) -> Finish {
+pub(super) fn brick(rng: &mut Pcg64) -> Finish {
     let kd = pick(rng, &[[0.27, 0.11, 0.07], [0.34, 0.16, 0.1], [0.38, 0.27, 0.18], [0.2, 0.09, 0.07]]);
     finish(vary(rng, kd, 0.12), rng.random_range(0.1..0.3), rng.random_range(0.65..0.85), 0.12)
 }
 
 /// Bare concrete and stone.
-pub fn stone(rng: &mut Pcg64) -> Finish {
+pub(super) fn stone(rng: &mut Pcg64) -> Finish {
     finish(vary(rng, [0.4, 0.38, 0.34], 0.15), rng.random_range(0.15..0.3), rng.random_range(0.6..0.85), 0.08)
 }
 
 /// Corrugated or panelled cladding.
-pub fn cladding(rng: &mut Pcg64) -> Finish {
+pub(super) fn cladding(rng: &mut Pcg64) -> Finish {
     let kd = pick(rng, &[[0.45, 0.46, 0.47], [0.22, 0.26, 0.32], [0.56, 0.54, 0.48], [0.2, 0.3, 0.24]]);
     finish(vary(rng, kd, 0.1), rng.random_range(0.5..0.8), rng.random_range(0.3..0.5), 0.05)
 }
 
 /// A window: dark, or with a curtain behind.
-pub fn glass(rng: &mut Pcg64) -> Finish {
+pub(super) fn glass(rng: &mut Pcg64) -> Finish {
     let shade = if rng.random_bool(0.3) { rng.random_range(0.12..0.35) } else { rng.random_range(0.03..0.07) };
     finish(
         vary(rng, [shade, shade, shade * 1.05], 0.05),
@@ -152,18 +152,18 @@ pub fn glass(rng: &mut Pcg64) -> Finish {
 }
 
 /// Photovoltaic panels.
-pub fn solar() -> Finish {
+pub(super) fn solar() -> Finish {
     finish([0.035, 0.04, 0.07], 0.95, 0.12, 0.05)
 }
 
 /// Painted doors and shutters.
-pub fn door(rng: &mut Pcg64) -> Finish {
+pub(super) fn door(rng: &mut Pcg64) -> Finish {
     let kd = pick(rng, &[[0.2, 0.1, 0.06], [0.08, 0.16, 0.11], [0.1, 0.13, 0.24], [0.3, 0.06, 0.05], [0.5, 0.5, 0.48]]);
     finish(vary(rng, kd, 0.1), rng.random_range(0.5..0.8), rng.random_range(0.25..0.45), 0.04)
 }
 
 /// Car bodies.
-pub fn lacquer(rng: &mut Pcg64) -> Finish {
+pub(super) fn lacquer(rng: &mut Pcg64) -> Finish {
     let kd = pick(
         rng,
         &[
@@ -180,7 +180,7 @@ pub fn lacquer(rng: &mut Pcg64) -> Finish {
 }
 
 /// Foliage of broad-leaved trees.
-pub fn leaves(rng: &mut Pcg64) -> Finish {
+pub(super) fn leaves(rng: &mut Pcg64) -> Finish {
     let greens =
         [[0.065, 0.12, 0.03], [0.05, 0.095, 0.028], [0.085, 0.135, 0.035], [0.06, 0.105, 0.04], [0.1, 0.13, 0.03]];
     // Now and then a copper beech.
@@ -189,11 +189,11 @@ pub fn leaves(rng: &mut Pcg64) -> Finish {
 }
 
 /// Needles and hedges.
-pub fn needles(rng: &mut Pcg64) -> Finish {
+pub(super) fn needles(rng: &mut Pcg64) -> Finish {
     finish(vary(rng, [0.035, 0.07, 0.03], 0.25), rng.random_range(0.15..0.3), rng.random_range(0.55..0.75), 0.2)
 }
 
 /// Bark.
-pub fn bark(rng: &mut Pcg64) -> Finish {
+pub(super) fn bark(rng: &mut Pcg64) -> Finish {
     finish(vary(rng, [0.13, 0.09, 0.06], 0.2), 0.1, 0.85, 0.1)
 }

@@ -1,10 +1,9 @@
-//! The share of the sky that each triangle of a city sees: minutes of rays where triangles are millions. It is found some
-//! triangles at a time, each part a sealed file of f32 that is kept until the city is done, and then one of all parts.
+//! The share of the sky that each triangle of a city sees: minutes of rays for millions of triangles. The shares are found
+//! a batch of triangles at a time. Each batch becomes a sealed file of f32; when all are there, they become one file.
 
 use std::io::Write;
 use std::sync::Arc;
 
-use crate::base::ids::TriangleId;
 use crate::base::{Array, Error, Result};
 use crate::disk::{Seal, Sealed, Store};
 use crate::render::sky_visibility;
@@ -16,14 +15,14 @@ const SEAL: Seal = Seal { magic: *b"GONIOSKY", version: 1, kind: "share of the s
 /// Rays a triangle.
 const RAYS: u32 = 64;
 
-/// Triangles of a part: some seconds of rays.
-const PART: usize = 1 << 17;
+/// Triangles of a batch: some seconds of rays.
+const BATCH: usize = 1 << 17;
 
-/// The shares, mapped; found and written under `folder`, which ends in `/`, as far as they are not there.
+/// The shares, mapped. Shares that are not in `folder`, whose name ends in `/`, are found and written there.
 ///
 /// # Errors
-/// Anything that cannot be written; `Error::Interrupted` where `stop`, asked between the parts, says so.
-pub fn shares(
+/// A file cannot be written; `Error::Interrupted` where `stop`, asked between batches, says so.
+pub(super) fn shares(
     store: &dyn Store,
     folder: &str,
     mesh: &Mesh,
@@ -34,35 +33,35 @@ pub fn shares(
     let name = format!("{folder}sky");
     let bytes = mesh.len() * size_of::<f32>();
     if there(store, &name, mesh.len()).is_none() {
-        let part = |at: usize| (format!("{name}.{at}"), at * PART..mesh.len().min((at + 1) * PART));
-        let parts: Vec<_> = (0..mesh.len().div_ceil(PART)).map(part).collect();
-        for (name, triangles) in &parts {
+        let batch = |at: usize| (format!("{name}.{at}"), at * BATCH..mesh.len().min((at + 1) * BATCH));
+        let batches: Vec<_> = (0..mesh.len().div_ceil(BATCH)).map(batch).collect();
+        for (name, triangles) in &batches {
             if there(store, name, triangles.len()).is_some() {
                 continue;
             }
             if stop() {
                 return Err(Error::Interrupted);
             }
-            let ids = triangles.start as TriangleId..triangles.end as TriangleId;
-            write(store, name, [bytemuck::cast_slice(&sky_visibility(mesh, bvh, up, RAYS, ids))])?;
+            write(store, name, [bytemuck::cast_slice(&sky_visibility(mesh, bvh, up, RAYS, triangles.clone()))])?;
         }
-        let parts: Vec<Sealed> = parts.iter().map(|(name, _)| SEAL.open(store, name)).collect::<Result<_>>()?;
-        write(store, &name, parts.iter().map(|part| &part[..]))?;
+        let batches: Vec<Sealed> = batches.iter().map(|(name, _)| SEAL.open(store, name)).collect::<Result<_>>()?;
+        write(store, &name, batches.iter().map(|batch| &batch[..]))?;
     }
     let sealed = SEAL.open(store, &name)?;
     Array::view(&(Arc::new(sealed) as _), 0..bytes).map_err(|found| Error::malformed(store.path(&name), found))
 }
 
-/// The file of this name, if it is a good one of so many triangles; another is removed when it is replaced.
+/// The file of this name, if it is whole and has the shares of this many triangles.
 fn there(store: &dyn Store, name: &str, triangles: usize) -> Option<Sealed> {
     SEAL.open(store, name).ok().filter(|sealed| sealed.len() == triangles * size_of::<f32>())
 }
 
-fn write<'a>(store: &dyn Store, name: &str, parts: impl IntoIterator<Item = &'a [u8]>) -> Result<()> {
+/// Writes the file of this name, over any other.
+fn write<'a>(store: &dyn Store, name: &str, shares: impl IntoIterator<Item = &'a [u8]>) -> Result<()> {
     if store.size(name)?.is_some() {
         store.remove(name)?;
     }
     let mut out = SEAL.create(store, name)?;
-    parts.into_iter().try_for_each(|bytes| out.write_all(bytes)).map_err(Error::io("write", store.path(name)))?;
+    shares.into_iter().try_for_each(|bytes| out.write_all(bytes)).map_err(Error::io("write", store.path(name)))?;
     out.seal().map(drop)
 }

@@ -1,4 +1,5 @@
-//! Streets along a block's near sides, and the cars on them. A street is [`WIDTH`] wide: a pavement, two lanes, a pavement.
+//! Streets along a block's near sides, and the cars on these streets. A street is [`WIDTH`] wide: a pavement, two lanes, a
+//! pavement.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -8,13 +9,15 @@ use rand::RngExt;
 use super::surface::{Block, Finish, Rect, Spot};
 use super::town::{PITCH, Streets};
 use super::{greenery, palette};
+use crate::base::convert::Cut;
+use crate::scene::Material;
 
 /// Width of a street with its pavements, metres.
-pub const WIDTH: f64 = 10.0;
+pub(super) const WIDTH: f64 = 10.0;
 /// Where the carriageway begins and ends across the street.
 const ROAD: [f64; 2] = [2.2, 7.8];
 
-/// What a block's streets are made of.
+/// The finishes of a block's streets.
 struct Paint {
     road: Finish,
     paving: Finish,
@@ -22,8 +25,8 @@ struct Paint {
     mark: Finish,
 }
 
-/// Paves the strips of a block's near sides, or covers them with `verge` where no street is.
-pub fn streets(block: &mut Block, streets: Streets, in_town: bool, verge: Finish) {
+/// Paves the strips along a block's near sides; a strip without a street is covered with `verge`.
+pub(super) fn streets(block: &mut Block, streets: Streets, in_town: bool, verge: Finish) {
     let paving = if in_town { palette::paving(&mut block.rng) } else { palette::grass(&mut block.rng) };
     let paint = Paint { road: palette::asphalt(&mut block.rng), paving, verge, mark: palette::marking() };
     strip(block, &paint, streets.left, in_town, true);
@@ -31,13 +34,14 @@ pub fn streets(block: &mut Block, streets: Streets, in_town: bool, verge: Finish
     crossing(block, &paint, streets);
 }
 
-/// A rectangle `across` and `along` a street that runs along y, or else along x.
+/// A rectangle `across` and `along` a street, which runs along y if `upright`, else along x.
 fn lane(upright: bool, across: [f64; 2], along: [f64; 2]) -> Rect {
     let [a, b] = across;
     let [c, d] = along;
     if upright { Rect::new(a, b, c, d) } else { Rect::new(c, d, a, b) }
 }
 
+/// One strip: a street with its crossings and marks, or the verge.
 fn strip(block: &mut Block, paint: &Paint, street: bool, in_town: bool, upright: bool) {
     let along = [WIDTH, PITCH];
     if !street {
@@ -62,7 +66,7 @@ fn strip(block: &mut Block, paint: &Paint, street: bool, in_town: bool, upright:
     block.floor(lane(upright, [left, middle - 0.12], [from, to]), &paint.road);
     block.floor(lane(upright, [middle + 0.12, right], [from, to]), &paint.road);
     let count = ((to - from) / 3.0).round().max(1.0);
-    for dash in 0..count as usize {
+    for dash in 0..usize::cut(count) {
         let at = |k: usize| from + (to - from) * k as f64 / count;
         let finish = if dash % 2 == 0 { paint.mark } else { paint.road };
         block.floor(lane(upright, [middle - 0.12, middle + 0.12], [at(dash), at(dash + 1)]), &finish);
@@ -72,6 +76,7 @@ fn strip(block: &mut Block, paint: &Paint, street: bool, in_town: bool, upright:
     }
 }
 
+/// A zebra crossing.
 fn zebra(block: &mut Block, paint: &Paint, upright: bool, along: [f64; 2]) {
     let [left, right] = ROAD;
     let stripes = 11;
@@ -84,13 +89,13 @@ fn zebra(block: &mut Block, paint: &Paint, upright: bool, along: [f64; 2]) {
 
 /// Trees along the pavements and cars along the kerbs.
 fn furnish(block: &mut Block, upright: bool) {
-    let place = |across: f64, along: f64| if upright { DVec2::new(across, along) } else { DVec2::new(along, across) };
+    let point = |across: f64, along: f64| if upright { DVec2::new(across, along) } else { DVec2::new(along, across) };
     if block.rng.random_bool(0.45) {
         let across = if block.rng.random_bool(0.5) { 1.0 } else { WIDTH - 1.0 };
         let mut along = WIDTH + block.rng.random_range(3.0..6.0);
         while along < PITCH - 3.0 {
             let height = block.rng.random_range(4.5..6.5);
-            greenery::tree(block, place(across, along), height);
+            greenery::tree(block, point(across, along), height);
             along += block.rng.random_range(8.0..11.0);
         }
     }
@@ -101,7 +106,7 @@ fn furnish(block: &mut Block, upright: bool) {
                 let turn = if upright { FRAC_PI_2 } else { 0.0 };
                 let way = if block.rng.random_bool(0.5) { PI } else { 0.0 };
                 let askew = block.rng.random_range(-0.03..0.03);
-                car(block, Spot::new(place(across, along), turn + way + askew));
+                car(block, Spot::new(point(across, along), turn + way + askew));
             }
             along += 5.6;
         }
@@ -126,10 +131,9 @@ fn crossing(block: &mut Block, paint: &Paint, streets: Streets) {
 }
 
 /// A parked car, its length along the spot's x axis.
-pub fn car(block: &mut Block, spot: Spot) {
+pub(super) fn car(block: &mut Block, spot: Spot) {
     let paint = palette::lacquer(&mut block.rng);
-    let glass =
-        Finish { base: crate::scene::Material { kd: [0.03; 3], ..palette::glass(&mut block.rng).base }, grain: 0.03 };
+    let glass = Finish { base: Material { kd: [0.03; 3], ..palette::glass(&mut block.rng).base }, grain: 0.03 };
     let tall = block.rng.random_range(1.35..1.75);
     let (back, front, wide, belt) = (-2.1, 2.1, 0.88, 0.9);
     // The cabin narrows from its base at the belt line to its roof.

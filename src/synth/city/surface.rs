@@ -1,17 +1,18 @@
-//! Triangles as they are made, each with its material, and the ways of making them: grids over four corners, grids
-//! over a triangle, boxes, lathes and crowns.
+//! A block's triangles, each with its material, and the shapes that make them: grids over four corners, grids over a
+//! triangle, boxes, lathes and crowns.
 
 use glam::{DVec2, DVec3, Vec3};
 use rand::RngExt;
 use rand_pcg::Pcg64;
 
 use super::town::Ground;
+use crate::base::convert::{Cut, to_u32};
 use crate::scene::Material;
 
-/// What a part of the city is finished with: a material, and how far single triangles stray from it.
+/// The finish of a surface: a material, and how far single triangles stray from it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Finish {
-    /// The part's material.
+pub(super) struct Finish {
+    /// The material before triangles stray.
     pub base: Material,
     /// Largest relative deviation of a triangle's kd, ks and r.
     pub grain: f32,
@@ -19,7 +20,7 @@ pub struct Finish {
 
 impl Finish {
     /// The material of one triangle.
-    pub fn sample(&self, rng: &mut Pcg64) -> Material {
+    pub(super) fn sample(&self, rng: &mut Pcg64) -> Material {
         let mut stray = |amount: f32| 1.0 + amount * self.grain * rng.random_range(-1.0..=1.0_f32);
         let (shade, gloss, width) = (stray(1.0), stray(1.0), stray(0.6));
         let kd = self.base.kd.map(|v| (v * shade * stray(0.3)).clamp(0.0, 1.0));
@@ -28,7 +29,7 @@ impl Finish {
     }
 
     /// The same finish, brighter or darker.
-    pub fn shaded(mut self, factor: f32) -> Finish {
+    pub(super) fn shaded(mut self, factor: f32) -> Finish {
         self.base.kd = self.base.kd.map(|v| (v * factor).clamp(0.0, 1.0));
         self
     }
@@ -36,18 +37,18 @@ impl Finish {
 
 /// Triangles with a material each; vertices in mesh coordinates.
 #[derive(Debug, Clone, Default)]
-pub struct Surface {
+pub(super) struct Surface {
     /// Vertices.
     pub vertices: Vec<DVec3>,
     /// Vertex indices, counter-clockwise from outside.
     pub triangles: Vec<[u32; 3]>,
-    /// One for every triangle.
+    /// The material of each triangle.
     pub materials: Vec<Material>,
 }
 
 /// An axis-parallel rectangle on the ground of a block, metres from the block's corner.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Rect {
+pub(super) struct Rect {
     /// Least corner.
     pub low: DVec2,
     /// Greatest corner.
@@ -55,25 +56,25 @@ pub struct Rect {
 }
 
 impl Rect {
-    /// From `x0..x1` and `y0..y1`.
-    pub fn new(x0: f64, x1: f64, y0: f64, y1: f64) -> Rect {
+    /// The rectangle of `x0..x1` and `y0..y1`.
+    pub(super) fn new(x0: f64, x1: f64, y0: f64, y1: f64) -> Rect {
         Rect { low: DVec2::new(x0, y0), high: DVec2::new(x1, y1) }
     }
 
     /// The middle.
-    pub fn centre(&self) -> DVec2 {
+    pub(super) fn centre(&self) -> DVec2 {
         (self.low + self.high) * 0.5
     }
 
     /// Extents along x and y.
-    pub fn size(&self) -> DVec2 {
+    pub(super) fn size(&self) -> DVec2 {
         self.high - self.low
     }
 }
 
-/// Where an object stands: its own x axis turned from the block's, its z counted from the ground under its middle.
+/// Where an object stands. The object's x axis is turned from the block's; its z counts from the ground under its middle.
 #[derive(Debug, Clone, Copy)]
-pub struct Spot {
+pub(super) struct Spot {
     /// The object's origin in its block, metres.
     pub at: DVec2,
     /// Cosine and sine of the turn from the block's x axis.
@@ -81,79 +82,79 @@ pub struct Spot {
 }
 
 impl Spot {
-    /// Upright at a place, turned by an angle in radians.
-    pub fn new(at: DVec2, angle: f64) -> Spot {
+    /// A spot at a point of the block, turned by an angle in radians.
+    pub(super) fn new(at: DVec2, angle: f64) -> Spot {
         Spot { at, turn: DVec2::from_angle(angle) }
     }
 
-    /// A place given in the object's own axes, in the block's.
-    pub fn to_block(self, own: DVec2) -> DVec2 {
+    /// A point in the block's axes that is given in the object's own.
+    pub(super) fn to_block(self, own: DVec2) -> DVec2 {
         self.at + self.turn.rotate(own)
     }
 }
 
 /// One block under construction.
-pub struct Block {
-    /// What was made so far.
+pub(super) struct Block {
+    /// The triangles made so far.
     pub surface: Surface,
     /// The block's own random numbers.
     pub rng: Pcg64,
-    /// Where the block lies.
+    /// The ground that the block lies on.
     pub ground: Ground,
     /// Edge length that grids aim at, metres.
     pub cell: f64,
 }
 
 impl Block {
-    /// How many cells a length is cut into.
-    pub fn cells(&self, length: f64) -> usize {
-        ((length / self.cell).round() as usize).max(1)
+    /// The number of cells that a length is cut into.
+    pub(super) fn cells(&self, length: f64) -> usize {
+        usize::cut((length / self.cell).round()).max(1)
     }
 
-    /// The height, in an object's own axes, where it meets the ground: a little below, so that no gap shows.
-    pub fn footing(&self, spot: Spot, own: DVec2) -> f64 {
-        self.ground.place(spot.to_block(own)).z - self.ground.place(spot.at).z - 0.03
+    /// The height, in an object's own axes, at which the object meets the ground: a little below, so that no gap shows.
+    pub(super) fn footing(&self, spot: Spot, own: DVec2) -> f64 {
+        self.ground.point(spot.to_block(own)).z - self.ground.point(spot.at).z - 0.03
     }
 
     /// A piece of ground.
-    pub fn floor(&mut self, rect: Rect, finish: &Finish) {
+    pub(super) fn floor(&mut self, rect: Rect, finish: &Finish) {
         self.floor_cells(rect, self.cell, |_, _| *finish);
     }
 
-    /// A piece of ground in cells of a stated length, each with a finish by its column and row.
-    pub fn floor_cells(&mut self, rect: Rect, cell: f64, finish: impl Fn(usize, usize) -> Finish) {
+    /// A piece of ground in cells of a stated length; `finish` gives a cell's finish by column and row.
+    pub(super) fn floor_cells(&mut self, rect: Rect, cell: f64, finish: impl Fn(usize, usize) -> Finish) {
         let size = rect.size();
         if size.min_element() < 1e-6 {
             return;
         }
-        let [nu, nv] = [size.x, size.y].map(|l| ((l / cell).round() as usize).max(1));
+        let [nu, nv] = [size.x, size.y].map(|l| usize::cut((l / cell).round()).max(1));
         let ground = self.ground;
-        let at = |u: f64, v: f64| ground.place(rect.low + size * DVec2::new(u, v));
+        let at = |u: f64, v: f64| ground.point(rect.low + size * DVec2::new(u, v));
         self.grid(nu, nv, at, finish);
     }
 
     /// A patch over four corners, counter-clockwise from outside, in an object's axes.
-    pub fn patch(&mut self, spot: Spot, corners: [DVec3; 4], finish: &Finish) {
+    pub(super) fn patch(&mut self, spot: Spot, corners: [DVec3; 4], finish: &Finish) {
         self.patch_cells(spot, corners, |_, _| *finish);
     }
 
-    /// A patch over four corners whose cells have a finish each by their share along the first and the second edge.
-    pub fn patch_cells(&mut self, spot: Spot, corners: [DVec3; 4], finish: impl Fn(f64, f64) -> Finish) {
+    /// A patch over four corners; `finish` gives a cell's finish by its share along the first and the second edge.
+    pub(super) fn patch_cells(&mut self, spot: Spot, corners: [DVec3; 4], finish: impl Fn(f64, f64) -> Finish) {
         let [a, b, c, d] = corners;
         let nu = self.cells(a.distance(b).max(d.distance(c)));
         let nv = self.cells(a.distance(d).max(b.distance(c)));
-        let (ground, base) = (self.ground, self.ground.place(spot.at).z);
+        let (ground, base) = (self.ground, self.ground.point(spot.at).z);
         let at = |u: f64, v: f64| raise(&ground, spot, base, a.lerp(b, u).lerp(d.lerp(c, u), v));
         let share = |i: usize, n: usize| (i as f64 + 0.5) / n as f64;
         self.grid(nu, nv, at, |i, j| finish(share(i, nu), share(j, nv)));
     }
 
     /// A flat triangle, counter-clockwise from outside, cut into equal smaller ones.
-    pub fn gable(&mut self, spot: Spot, corners: [DVec3; 3], finish: &Finish) {
+    pub(super) fn gable(&mut self, spot: Spot, corners: [DVec3; 3], finish: &Finish) {
         let [a, b, c] = corners;
         let n = self.cells(a.distance(b).max(b.distance(c)).max(c.distance(a)));
-        let base = self.ground.place(spot.at).z;
-        let first = self.surface.vertices.len() as u32;
+        let base = self.ground.point(spot.at).z;
+        let first = to_u32(self.surface.vertices.len());
         for row in 0..=n {
             for column in 0..=n - row {
                 let own = a + (b - a) * (column as f64 / n as f64) + (c - a) * (row as f64 / n as f64);
@@ -161,7 +162,7 @@ impl Block {
             }
         }
         let index =
-            |row: usize, column: usize| first + (row * (n + 1) - row * row.saturating_sub(1) / 2 + column) as u32;
+            |row: usize, column: usize| first + to_u32(row * (n + 1) - row * row.saturating_sub(1) / 2 + column);
         for row in 0..n {
             for column in 0..n - row {
                 let (p, q, r) = (index(row, column), index(row, column + 1), index(row + 1, column));
@@ -174,7 +175,7 @@ impl Block {
     }
 
     /// A box without its underside.
-    pub fn solid(&mut self, spot: Spot, low: DVec3, high: DVec3, sides: &Finish, top: &Finish) {
+    pub(super) fn solid(&mut self, spot: Spot, low: DVec3, high: DVec3, sides: &Finish, top: &Finish) {
         let corner = |x: bool, y: bool, z: bool| {
             let pick = |up: bool, a: f64, b: f64| if up { b } else { a };
             DVec3::new(pick(x, low.x, high.x), pick(y, low.y, high.y), pick(z, low.z, high.z))
@@ -190,9 +191,9 @@ impl Block {
 
     /// A closed shape turned about the object's z axis: `profile` is radius and height from the bottom up; a radius of
     /// 0 closes it. Radii stray by `jitter`, relative.
-    pub fn lathe(&mut self, spot: Spot, profile: &[DVec2], sides: usize, jitter: f64, finish: &Finish) {
-        let base = self.ground.place(spot.at).z;
-        let first = self.surface.vertices.len() as u32;
+    pub(super) fn lathe(&mut self, spot: Spot, profile: &[DVec2], sides: usize, jitter: f64, finish: &Finish) {
+        let base = self.ground.point(spot.at).z;
+        let first = to_u32(self.surface.vertices.len());
         for (level, ring) in profile.iter().enumerate() {
             for side in 0..sides {
                 let stray = 1.0 + jitter * self.rng.random_range(-1.0..=1.0);
@@ -202,7 +203,7 @@ impl Block {
                 self.surface.vertices.push(raise(&self.ground, spot, base, own));
             }
         }
-        let index = |level: usize, side: usize| first + (level * sides + side % sides) as u32;
+        let index = |level: usize, side: usize| first + to_u32(level * sides + side % sides);
         for level in 1..profile.len() {
             let (narrow_below, narrow_above) = (profile[level - 1].x == 0.0, profile[level].x == 0.0);
             for side in 0..sides {
@@ -221,9 +222,9 @@ impl Block {
     }
 
     /// A crown: a sphere of 80 triangles whose vertices stray in and out.
-    pub fn blob(&mut self, spot: Spot, centre: DVec3, radii: DVec3, jitter: f64, finish: &Finish) {
-        let base = self.ground.place(spot.at).z;
-        let first = self.surface.vertices.len() as u32;
+    pub(super) fn blob(&mut self, spot: Spot, centre: DVec3, radii: DVec3, jitter: f64, finish: &Finish) {
+        let base = self.ground.point(spot.at).z;
+        let first = to_u32(self.surface.vertices.len());
         let (vertices, triangles) = sphere();
         for v in vertices {
             let stray = 1.0 + jitter * self.rng.random_range(-1.0..=1.0);
@@ -235,21 +236,21 @@ impl Block {
         }
     }
 
-    /// One triangle over vertices that are there.
+    /// One triangle over existing vertices.
     fn triangle(&mut self, indices: [u32; 3], finish: &Finish) {
         self.surface.triangles.push(indices);
         self.surface.materials.push(finish.sample(&mut self.rng));
     }
 
-    /// `nu` by `nv` cells of two triangles over the unit square; `at` gives a vertex, `finish` a cell's finish.
+    /// A grid of `nu` by `nv` cells of two triangles over the unit square; `at` gives a vertex, `finish` a cell's finish.
     fn grid(&mut self, nu: usize, nv: usize, at: impl Fn(f64, f64) -> DVec3, finish: impl Fn(usize, usize) -> Finish) {
-        let first = self.surface.vertices.len() as u32;
+        let first = to_u32(self.surface.vertices.len());
         for j in 0..=nv {
             for i in 0..=nu {
                 self.surface.vertices.push(at(i as f64 / nu as f64, j as f64 / nv as f64));
             }
         }
-        let index = |i: usize, j: usize| first + (j * (nu + 1) + i) as u32;
+        let index = |i: usize, j: usize| first + to_u32(j * (nu + 1) + i);
         for j in 0..nv {
             for i in 0..nu {
                 let [a, b, c, d] = [index(i, j), index(i + 1, j), index(i + 1, j + 1), index(i, j + 1)];
@@ -266,7 +267,7 @@ impl Block {
 
 /// A point in an object's axes, in mesh coordinates.
 fn raise(ground: &Ground, spot: Spot, base: f64, own: DVec3) -> DVec3 {
-    let at = ground.place(spot.to_block(own.truncate()));
+    let at = ground.point(spot.to_block(own.truncate()));
     DVec3::new(at.x, at.y, base + own.z)
 }
 
@@ -306,7 +307,7 @@ fn sphere() -> ([Vec3; 42], [[u32; 3]; 80]) {
                 edges.len() - 1
             });
             vertices[12 + at] = (vertices[p as usize] + vertices[q as usize]).normalize();
-            12 + at as u32
+            12 + to_u32(at)
         });
         triangles[4 * face..4 * face + 4].copy_from_slice(&[[a, ab, ca], [b, bc, ab], [c, ca, bc], [ab, bc, ca]]);
     }

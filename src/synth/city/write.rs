@@ -1,4 +1,4 @@
-//! A city's files, in the order of their writing.
+//! Writes a city's files, in this order: light, mesh and materials, scene cache, sky, photographs, poses, `city.json`.
 
 use std::fs;
 use std::path::Path;
@@ -8,53 +8,56 @@ use rayon::prelude::*;
 use serde_json::json;
 
 use super::folder::{self, Found, Summary};
-use super::{CityConfig, fill, flight, lighting, plan, sky, survey};
+use super::{CityConfig, fill, flight, lay_out, lighting, sky, survey};
 use crate::base::{Array, Error, Result, memory};
 use crate::cache::{self, Cached};
-use crate::codec::colmap::{self, Encoding};
-use crate::codec::npy::{self, NpyWriter};
-use crate::codec::{image, ply};
+use crate::codec::images;
+use crate::codec::meshes::ply;
+use crate::codec::poses::colmap::{self, Encoding};
+use crate::codec::tables::npy::{self, NpyWriter};
 use crate::disk::{DirStore, Store, write_atomic};
 use crate::render::{Lighting, relight};
 use crate::scene::Material;
 use crate::scene::frame::Frame;
 
-/// The folder of what photographs are taken with; there while the city is being made.
+/// The folder of the files that photographs are taken with; it exists while the city is being made.
 const UNFINISHED: &str = "unfinished/";
-/// The scene cache in it.
+/// The scene cache.
 const CACHE: &str = "unfinished/scene.cache";
 /// The mesh.
 const MESH: &str = "mesh.ply";
-/// Its materials.
+/// The materials of the mesh.
 const MATERIALS: &str = "truth/materials.npy";
 
-/// Makes a city in a folder, unless it is there already: finished, and from the same configuration. `stop` is asked
-/// between photographs, and between the parts of what they are taken with; what is there is kept the next time.
+/// Makes a city in a folder, unless the folder holds it, finished and from the same configuration. `stop` is asked between
+/// photographs and within the work before them; the next making goes on from there.
 ///
 /// # Errors
-/// A configuration out of range; a folder that holds something that is not a city; a disk that is too small, or a file that
-/// cannot be written; `Error::Interrupted` where `stop` says so.
-pub fn generate_if_needed(folder: &Path, config: &CityConfig, stop: &dyn Fn() -> bool) -> Result<Summary> {
+/// A value of the configuration is out of range; the folder holds files that are not a city's; the disk is too small; a
+/// file cannot be written; `Error::Interrupted` where `stop` says so.
+pub(crate) fn generate_if_needed(folder: &Path, config: &CityConfig, stop: &dyn Fn() -> bool) -> Result<Summary> {
     config.check()?;
     match folder::look(folder, config)? {
         Found::Finished(summary) => Ok(summary),
-        Found::Room => make(folder, config, stop),
+        Found::Free => make(folder, config, stop),
     }
 }
 
-/// Makes a city in a folder, over the one that it may hold.
+/// Makes a city in a folder, over any city that the folder holds.
 ///
 /// # Errors
-/// As for [`generate_if_needed`].
-pub fn generate(folder: &Path, config: &CityConfig, stop: &dyn Fn() -> bool) -> Result<Summary> {
+/// The errors of [`generate_if_needed`].
+#[cfg(test)]
+pub(crate) fn generate(folder: &Path, config: &CityConfig, stop: &dyn Fn() -> bool) -> Result<Summary> {
     config.check()?;
     folder::look(folder, config)?;
     make(folder, config, stop)
 }
 
+/// Makes a city in a folder that may hold one.
 fn make(dir: &Path, config: &CityConfig, stop: &dyn Fn() -> bool) -> Result<Summary> {
-    if let Some(room) = folder::room(dir, config)? {
-        room.enough("--out, or into in [synth]")?;
+    if let Some(space) = folder::space(dir, config)? {
+        space.enough("--out, or into in [synth]")?;
     }
     let store = DirStore::new(dir);
     let goes_on = folder::owned(dir, config);
@@ -75,7 +78,7 @@ fn make(dir: &Path, config: &CityConfig, stop: &dyn Fn() -> bool) -> Result<Summ
     store.sweep()?;
     let light = lighting(config);
     write_light(&dir.join("truth/light.json"), &light)?;
-    let frames = flight::frames(config, &plan(config).0, config.supersampling);
+    let frames = flight::frames(config, &lay_out(config).0, config.supersampling);
     folder::sweep(&dir.join("images"), "frame_", |name| frames.iter().any(|f| f.name == name))?;
     let missing: Vec<&Frame> = frames.iter().filter(|f| !dir.join("images").join(&f.name).exists()).collect();
 
@@ -100,7 +103,7 @@ fn make(dir: &Path, config: &CityConfig, stop: &dyn Fn() -> bool) -> Result<Summ
     Ok(summary)
 }
 
-/// Makes the mesh and writes it, its materials, and what it is cast with. It is not held afterwards.
+/// Makes the mesh and writes mesh, materials and scene cache. The mesh is not held afterwards.
 fn write_surface(dir: &Path, store: &DirStore, config: &CityConfig, stop: &dyn Fn() -> bool) -> Result<()> {
     let survey = survey(config)?;
     let path = dir.join(MATERIALS);
@@ -121,7 +124,7 @@ fn write_surface(dir: &Path, store: &DirStore, config: &CityConfig, stop: &dyn F
     Ok(())
 }
 
-/// Renders, encodes and writes photographs.
+/// Renders, encodes and writes photographs into a folder.
 fn take(
     dir: &Path,
     config: &CityConfig,
@@ -140,12 +143,13 @@ fn take(
         if n > 1 {
             picture = picture.shrink(n);
         }
-        let pixels: Vec<[u8; 3]> = picture.rgb.par_iter().map(|p| p.map(image::to_srgb8)).collect();
-        image::write_jpeg(&dir.join(&frame.name), &pixels, config.width, config.height, config.jpeg_quality)?;
+        let pixels: Vec<[u8; 3]> = picture.rgb.par_iter().map(|p| p.map(images::to_srgb8)).collect();
+        images::write_jpeg(&dir.join(&frame.name), &pixels, config.width, config.height, config.jpeg_quality)?;
     }
     Ok(())
 }
 
+/// Writes the file of the light.
 fn write_light(path: &Path, light: &Lighting) -> Result<()> {
     let text = json!({
         "sun": { "direction": light.sun.direction.to_array(), "color": light.sun.color.to_array() },

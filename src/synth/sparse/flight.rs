@@ -1,10 +1,11 @@
-//! From where a flight sees one surface of a scene: directions from the surface to the cameras that see it, z up.
+//! The views of one surface of a scene on a flight: directions from the surface to the cameras that see it, z up.
 
 use std::f32::consts::{PI, TAU};
 
 use glam::Vec3;
 use rand::{Rng, RngExt};
 
+use crate::base::convert::Cut;
 use crate::synth::direction;
 
 /// Nearly normal, mean 0, deviation 1: the sum of four uniforms.
@@ -12,7 +13,8 @@ pub(super) fn bell(rng: &mut impl Rng) -> f32 {
     (0..4).map(|_| rng.random_range(-0.5..0.5f32)).sum::<f32>() * 1.732
 }
 
-/// The normal of a surface of a scene: ground and flat roofs, pitched roofs, walls, and anything else that faces up.
+/// The normal of a surface of a scene: ground or flat roof, pitched roof, wall, or another surface that may face any way
+/// but steeply down.
 pub(super) fn surface(rng: &mut impl Rng) -> Vec3 {
     let tilt = match rng.random_range(0..20) {
         0..8 => bell(rng).abs() * 0.17,
@@ -23,17 +25,17 @@ pub(super) fn surface(rng: &mut impl Rng) -> Vec3 {
     direction(tilt, rng.random_range(0.0..TAU))
 }
 
-/// Unit directions to the cameras that see the surface, its own orientation aside.
+/// Unit directions to the cameras that see the surface's point, whatever way the surface faces.
 pub(super) fn views(rng: &mut impl Rng) -> Vec<Vec3> {
     let mut cameras = Vec::new();
-    let kind = rng.random_range(0..4);
-    if kind != 0 {
+    let pattern = rng.random_range(0..4);
+    if pattern != 0 {
         orbit(rng, &mut cameras);
     }
-    if kind <= 1 {
+    if pattern <= 1 {
         block(rng, &mut cameras);
     }
-    // Something higher stands beside: low views from that side are lost.
+    // Something higher stands beside the surface and hides low views from that side.
     let behind = rng
         .random_bool(0.5)
         .then(|| (rng.random_range(0.0..TAU), rng.random_range(0.3..2.0f32), rng.random_range(0.2..1.3f32).tan()));
@@ -48,7 +50,7 @@ pub(super) fn views(rng: &mut impl Rng) -> Vec<Vec3> {
     cameras.iter().map(|c| c.normalize()).collect()
 }
 
-/// One to three rings around a centre that need not be the surface.
+/// Adds one to three rings around a centre that need not be the surface.
 fn orbit(rng: &mut impl Rng, cameras: &mut Vec<Vec3>) {
     let off = direction(PI / 2.0, rng.random_range(0.0..TAU)) * rng.random_range(0.0..0.6f32);
     for _ in 0..rng.random_range(1..=3) {
@@ -64,16 +66,16 @@ fn orbit(rng: &mut impl Rng, cameras: &mut Vec<Vec3>) {
     }
 }
 
-/// Parallel tracks at one height, camera straight down or a little oblique; those frames that have the surface in them.
+/// Adds the frames with the surface in them of parallel tracks at one height, the camera straight down or a little oblique.
 fn block(rng: &mut impl Rng, cameras: &mut Vec<Vec3>) {
     let half = (rng.random_range(0.45..0.75f32), rng.random_range(0.35..0.55f32));
-    // Distance of frames along and across, from overlaps of 65 to 85 and 50 to 80 percent.
+    // Distances between frames along and across the tracks, from overlaps of 65 to 85 and 50 to 80 percent.
     let along = 2.0 * half.1 * rng.random_range(0.15..0.35);
     let across = 2.0 * half.0 * rng.random_range(0.2..0.5);
     let (sin, cos) = rng.random_range(0.0..TAU).sin_cos();
     let phase = (rng.random_range(0.0..along), rng.random_range(0.0..across));
     let lean = if rng.random_bool(0.3) { rng.random_range(-0.5..0.5f32) } else { 0.0 };
-    let steps = |half: f32, step: f32| (half / step).ceil() as i32 + 1;
+    let steps = |half: f32, step: f32| i32::cut((half / step).ceil()) + 1;
     for i in -steps(half.1, along)..=steps(half.1, along) {
         for j in -steps(half.0, across)..=steps(half.0, across) {
             let (y, x) = (i as f32 * along + phase.0, j as f32 * across + phase.1);

@@ -1,22 +1,22 @@
-//! Training maps as scenes make them: `lobe` maps of random materials of which flights fill few bins.
+//! Training maps as scenes give them: `lobe` maps of random materials of which flights fill few bins.
 //!
-//! One sample draws a surface among ground, roofs and walls, its material and its light from a [`Prior`], and a flight over
-//! it (`flight`): orbits, blocks, or both. Each frame that sees the surface gives a few pixels: radiance of the BRDF under
-//! the sun, a constant sky or the sky alone in shadow, for half of them an exposure that wavers from frame to frame,
-//! clipping at 1, 8-bit sRGB steps. A tenth of the maps has a frame with something else in it, and a tenth is filled
-//! densely at random. Maps with fewer than three bins are drawn again.
+//! A sample draws a surface among ground, roofs and walls, the surface's material and light from a [`Prior`], and a flight
+//! (`flight`): orbits, blocks, or both. Each frame that sees the surface gives a few pixels: radiance of the BRDF under sun
+//! and constant sky, or under the sky alone in shadow, clipped at 1, in 8-bit sRGB steps. In half of the samples exposure
+//! wavers from frame to frame. A tenth of the samples has a frame that shows something else, and a tenth is filled densely
+//! at random. Maps with fewer than three bins are drawn again.
 //!
-//! A sample is [`RECORD`] bytes, little endian: `u32` filled bins n; `u16` bins [64]; `f32` mean radiance [64][3];
-//! `f32` material [7]; `f32` unit vector to the sun [3], its colour where it reaches the surface [3], else 0, and the radiance
-//! of the sky that does [3]. Slots past n are zero. Maps with more than 64 filled bins keep a random 64. The sample at an
-//! index depends on prior, seed and index alone.
+//! A sample is [`SAMPLE`] bytes, little endian: `u32` filled bins n; `u16` bins [64]; `f32` mean radiance [64][3];
+//! `f32` material [7]; `f32` unit vector to the sun [3]; `f32` colour of the sun [3], 0 where the sun does not reach the
+//! surface; `f32` radiance of the sky that reaches the surface [3]. Slots past n are zero. Maps with more than 64 filled
+//! bins keep a random 64. A sample depends on prior, seed and index alone.
 
 mod flight;
 mod prior;
 #[cfg(test)]
 mod tests;
 
-pub use prior::Prior;
+pub(crate) use prior::Prior;
 
 use std::io::{self, Write};
 
@@ -27,24 +27,26 @@ use rand::{Rng, RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 
+use crate::base::convert::{Cut, to_u32, to_usize};
 use crate::scene::Material;
 use crate::scene::light::LocalLight;
 use crate::scene::reflectance::{self, Bin, FRONT_BINS, LobeFrame, bin_of, direction_of};
 
-/// Most bins that a sample carries.
-pub const SLOTS: usize = 64;
+/// The most bins of a sample.
+pub(crate) const SLOTS: usize = 64;
 /// Bytes of a sample.
-pub const RECORD: usize = 4 + SLOTS * (2 + 12) + 4 * (Material::LEN + 9);
-/// Fewest bins that a sample carries.
+#[cfg(test)]
+pub(crate) const SAMPLE: usize = 4 + SLOTS * (2 + 12) + 4 * (Material::LEN + 9);
+/// The fewest bins of a sample.
 const FEWEST: usize = 3;
 /// Samples made and written at a time.
-const CHUNK: u64 = 8192;
+const BATCH: u64 = 8192;
 
 /// Writes samples `0..count` of a prior and a seed.
-pub fn write(out: &mut (impl Write + ?Sized), prior: Prior, seed: u64, count: u64) -> io::Result<()> {
+pub(crate) fn write(out: &mut (impl Write + ?Sized), prior: Prior, seed: u64, count: u64) -> io::Result<()> {
     let table = srgb_steps();
-    for start in (0..count).step_by(CHUNK as usize) {
-        let end = count.min(start + CHUNK);
+    for start in (0..count).step_by(to_usize(BATCH)) {
+        let end = count.min(start + BATCH);
         let bytes: Vec<u8> = (start..end)
             .into_par_iter()
             .fold(Vec::new, |mut bytes, index| {
@@ -60,18 +62,18 @@ pub fn write(out: &mut (impl Write + ?Sized), prior: Prior, seed: u64, count: u6
 
 /// One training sample.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Sample {
+pub(crate) struct Sample {
     /// Filled bins with their mean radiance, ascending, at most [`SLOTS`].
     pub bins: Vec<(Bin, [f32; 3])>,
-    /// What they show.
+    /// The material of the surface.
     pub material: Material,
-    /// What light reached it.
+    /// The light that reached the surface.
     pub light: LocalLight,
 }
 
 impl Sample {
     /// The sample at an index of a seed. `steps` is [`srgb_steps`].
-    pub fn draw(prior: Prior, seed: u64, index: u64, steps: &[f32]) -> Sample {
+    pub(crate) fn draw(prior: Prior, seed: u64, index: u64, steps: &[f32]) -> Sample {
         let mut rng = Pcg64Mcg::seed_from_u64(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(index));
         loop {
             let frame = LobeFrame::new(flight::surface(&mut rng));
@@ -90,9 +92,9 @@ impl Sample {
         }
     }
 
-    /// The sample as it is stored.
-    pub fn append_to(&self, out: &mut Vec<u8>) {
-        out.extend((self.bins.len() as u32).to_le_bytes());
+    /// Appends the sample's bytes.
+    pub(crate) fn append_to(&self, out: &mut Vec<u8>) {
+        out.extend(to_u32(self.bins.len()).to_le_bytes());
         let slots = |i: usize| self.bins.get(i).copied().unwrap_or_default();
         (0..SLOTS).for_each(|i| out.extend(slots(i).0.to_le_bytes()));
         (0..SLOTS).flat_map(|i| slots(i).1).for_each(|v| out.extend(v.to_le_bytes()));
@@ -102,8 +104,8 @@ impl Sample {
     }
 }
 
-/// Radiance of each 16-bit step of linear radiance after a camera has stored it in 8-bit sRGB.
-pub fn srgb_steps() -> Vec<f32> {
+/// For each 16-bit step of linear radiance, the radiance after a camera has stored the step in 8-bit sRGB.
+pub(crate) fn srgb_steps() -> Vec<f32> {
     (0..=u16::MAX)
         .map(|i| {
             let linear = f32::from(i) / 65_535.0;
@@ -114,13 +116,15 @@ pub fn srgb_steps() -> Vec<f32> {
         .collect()
 }
 
+/// Radiance as a camera stores it.
 fn stored(radiance: Vec3, steps: &[f32]) -> [f32; 3] {
-    radiance.to_array().map(|v| steps[(v.clamp(0.0, 1.0) * 65_535.0 + 0.5) as usize])
+    radiance.to_array().map(|v| steps[usize::cut(v.clamp(0.0, 1.0) * 65_535.0 + 0.5)])
 }
 
-/// Front bins filled at random, more than any flight fills.
+/// Front bins at random, more than any flight fills.
 fn dense(rng: &mut impl Rng, lit: &Lit, steps: &[f32]) -> Vec<(Bin, [f32; 3])> {
-    let mut bins: Vec<Bin> = (0..2 * SLOTS).map(|_| rng.random_range(0..FRONT_BINS as Bin)).collect();
+    let front = Bin::try_from(FRONT_BINS).unwrap_or(Bin::MAX);
+    let mut bins: Vec<Bin> = (0..2 * SLOTS).map(|_| rng.random_range(0..front)).collect();
     bins.sort_unstable();
     bins.dedup();
     bins.into_iter().map(|b| (b, stored(lit.radiance(direction_of(b)), steps))).collect()

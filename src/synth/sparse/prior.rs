@@ -1,7 +1,8 @@
-//! What a sample is drawn from before anything is seen of it: its material, and the light on it.
+//! The material and the light of a sample, drawn before the sample's views.
 
 use std::f32::consts::{FRAC_PI_2, TAU};
 
+use clap::ValueEnum;
 use glam::Vec3;
 use rand::{Rng, RngExt};
 
@@ -11,7 +12,7 @@ use crate::scene::reflectance::LobeFrame;
 use crate::scene::{Material, brdf};
 use crate::synth::direction;
 
-/// From what materials and lights are drawn.
+/// The distribution of materials and lights.
 ///
 /// | prior   | materials                                    | sun                                      | in shadow              |
 /// |---------|----------------------------------------------|------------------------------------------|------------------------|
@@ -21,15 +22,15 @@ use crate::synth::direction;
 /// |         | matt and rough more often than glossy        | where it then stands to the surface      | fifth of the others    |
 /// | mixed   | half of them uniform, half outdoor           | as outdoor                               | as outdoor             |
 ///
-/// In all a sky of one colour, at most 0.3, is seen in part.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Prior {
-    /// Nothing is more likely than anything else.
+/// In all priors a sky of one colour, at most 0.3, is seen in part.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+pub(crate) enum Prior {
+    /// Any material, any light
     #[default]
     Uniform,
-    /// As surfaces of outdoor scenes are.
+    /// Materials of outdoor scenes, the sun above the horizon
     Outdoor,
-    /// The same light, but half of the materials may be anything.
+    /// The light of outdoor scenes, half of the materials any
     Mixed,
 }
 
@@ -40,8 +41,8 @@ pub(super) struct Lit {
 }
 
 impl Lit {
-    /// Draws both for a surface with this frame.
-    pub fn draw(prior: Prior, frame: &LobeFrame, rng: &mut impl Rng) -> Lit {
+    /// Draws material and light for a surface with this frame.
+    pub(super) fn draw(prior: Prior, frame: &LobeFrame, rng: &mut impl Rng) -> Lit {
         let anything = match prior {
             Prior::Uniform => return Lit { material: any(rng), light: anywhere(rng) },
             Prior::Outdoor => false,
@@ -51,8 +52,8 @@ impl Lit {
         Lit { material, light: above(frame, rng) }
     }
 
-    /// Radiance towards `wo`. The sky's own reflection is taken as its radiance times Fresnel's factor at `wo`.
-    pub fn radiance(&self, wo: Vec3) -> Vec3 {
+    /// Radiance towards `wo`. The reflection of the sky is taken as the sky's radiance times Fresnel's factor at `wo`.
+    pub(super) fn radiance(&self, wo: Vec3) -> Vec3 {
         let (m, LocalLight { direction, sun, sky }) = (&self.material, self.light);
         let direct = if sun == Vec3::ZERO { sun } else { sun * brdf::radiance(m, direction, wo) };
         direct + sky * (Vec3::from(m.kd) + Vec3::from(m.ks) * brdf::fresnel(wo.z.clamp(0.0, 1.0)))
@@ -64,8 +65,8 @@ fn any(rng: &mut impl Rng) -> Material {
     Material::from(std::array::from_fn::<f32, 7, _>(|_| rng.random()))
 }
 
-/// A material as outdoors: albedo about 0.2 and log-normal, a slight tint, mostly a grey and weak specular part, and the
-/// rougher the weaker it is.
+/// A material of outdoor scenes: albedo about 0.2 and log-normal, a slight tint, a specular part that is mostly grey and
+/// weak, and rougher the weaker it is.
 fn outdoor(rng: &mut impl Rng) -> Material {
     let albedo = 0.2 * (0.7 * bell(rng)).exp();
     let tint = rng.random_range(0.0..0.35f32);
@@ -90,7 +91,7 @@ fn anywhere(rng: &mut impl Rng) -> LocalLight {
     }
 }
 
-/// A sun above the horizon, as it stands to the surface, and a sky.
+/// A sun above the horizon, in the surface's frame, and a sky.
 fn above(frame: &LobeFrame, rng: &mut impl Rng) -> LocalLight {
     let from_up = FRAC_PI_2 - rng.random_range(15f32..80.0).to_radians();
     let direction = frame.to_local(direction(from_up, rng.random_range(0.0..TAU)));
@@ -99,7 +100,7 @@ fn above(frame: &LobeFrame, rng: &mut impl Rng) -> LocalLight {
     LocalLight { direction, sun: Vec3::splat(f32::from(u8::from(sunlit))), sky: tinted(sky, rng) }
 }
 
-/// Radiance of the part of the sky that reaches a surface; a quarter has none.
+/// Radiance of the sky that reaches a surface; 0 for a quarter of the surfaces.
 fn sky(rng: &mut impl Rng) -> f32 {
     match rng.random_bool(0.25) {
         true => 0.0,
@@ -107,7 +108,7 @@ fn sky(rng: &mut impl Rng) -> f32 {
     }
 }
 
-/// A sky's colour.
+/// The colour of a sky of this radiance.
 fn tinted(sky: f32, rng: &mut impl Rng) -> Vec3 {
     sky * Vec3::new(rng.random_range(0.75..1.0), rng.random_range(0.85..1.0), 1.0)
 }

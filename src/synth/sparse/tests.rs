@@ -8,12 +8,12 @@ fn samples(prior: Prior, seed: u64, n: u64) -> Vec<Sample> {
 }
 
 #[test]
-fn records_are_the_same_whatever_writes_them() {
+fn samples_are_the_same_whatever_writes_them() {
     let (mut whole, mut piecewise) = (Vec::new(), Vec::new());
     let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     one.install(|| write(&mut whole, Prior::Uniform, 5, 100)).unwrap();
     samples(Prior::Uniform, 5, 100).iter().for_each(|s| s.append_to(&mut piecewise));
-    assert_eq!(whole.len(), 100 * RECORD);
+    assert_eq!(whole.len(), 100 * SAMPLE);
     assert!(whole == piecewise);
     assert_ne!(samples(Prior::Uniform, 5, 3), samples(Prior::Uniform, 6, 3));
 }

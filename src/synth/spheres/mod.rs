@@ -1,67 +1,67 @@
-//! Dense reflectance maps of known materials under one light, as the published training set has them (section 3.1 of the
-//! publication) and as scenes have them.
+//! Dense reflectance maps of known materials under one light, in the layout of the published training set (section 3.1 of
+//! the publication) or in that of scenes.
 //!
-//! | kind   | a bin is                     | fixed           | filled                                          |
-//! |--------|------------------------------|-----------------|-------------------------------------------------|
-//! | lobe   | the direction that is left to | normal +z, light | the front half, rows 0..30                      |
-//! | sphere | a normal of the unit sphere  | camera, light   | what the camera sees of it                      |
+//! | layout | a bin is                    | fixed            | filled bins                 |
+//! |--------|-----------------------------|------------------|-----------------------------|
+//! | lobe   | a direction of reflection   | normal +z, light | the front half, rows 0..30  |
+//! | sphere | a normal of the unit sphere | camera, light    | those that the camera sees  |
 //!
-//! Values are linear radiance at the bin's middle, not clipped; bins that are not filled are 0. In a folder:
+//! Values are linear radiance at the bin's middle, not clipped; bins that are not filled are 0. A folder of maps holds
 //!
 //! ```text
 //! maps.npy [N,3,60,120]   materials.npy [N,7]   lights.npy [N,3]   views.npy [N,3] (sphere only)
 //! ```
 //!
-//! Directions are unit vectors in the map's frame. A view is the direction to the camera from the sphere's centre; how far
-//! away the camera is, [`Camera`] says.
+//! Directions are unit vectors in the map's frame. A view is the direction from the sphere's centre to the camera; [`Camera`]
+//! gives the camera's distance.
 
 mod published;
 mod write;
 
-pub use published::{Part, Published};
-pub use write::Samples;
+pub(crate) use published::Published;
+pub(crate) use write::Samples;
 
 use std::f32::consts::{PI, TAU};
 use std::sync::LazyLock;
 
+use clap::ValueEnum;
 use glam::Vec3;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
-use crate::scene::reflectance::{BINS, Bin, FRONT_BINS, direction_of};
+use crate::scene::reflectance::{BINS, FRONT_BINS, direction_of};
 use crate::scene::{Material, brdf};
 
 /// Floats of a map: three planes of bins.
 pub const MAP: usize = 3 * BINS;
 
-/// Distance of the perspective camera from the centre of the unit sphere, which it sees within 14.5 degrees of its axis.
-/// The publication names none.
+/// Distance of the perspective camera from the centre of the unit sphere: the sphere lies within 14.5 degrees of the
+/// camera's axis. The publication names no distance.
 const DISTANCE: f32 = 4.0;
 
-/// The middle of every bin.
-static DIRECTIONS: LazyLock<Vec<Vec3>> = LazyLock::new(|| (0..BINS as Bin).map(direction_of).collect());
+/// The direction at the middle of every bin.
+static DIRECTIONS: LazyLock<Vec<Vec3>> = LazyLock::new(|| (0..).take(BINS).map(direction_of).collect());
 
-/// Draws a `lobe` map into `out`, which is overwritten.
-pub fn lobe(m: &Material, light: Vec3, out: &mut [f32; MAP]) {
+/// Draws a `lobe` map over the contents of `out`.
+pub(crate) fn lobe(m: &Material, light: Vec3, out: &mut [f32; MAP]) {
     out.fill(0.0);
     for (bin, &towards) in DIRECTIONS[..FRONT_BINS].iter().enumerate() {
         put(out, bin, brdf::radiance(m, light, towards));
     }
 }
 
-/// What looks at a sphere.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+/// The camera that looks at a sphere.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
 pub enum Camera {
-    /// One that is infinitely far away: the same direction everywhere, half of the sphere in sight.
+    /// A camera infinitely far away, which sees half of the sphere
     #[default]
     Orthographic,
-    /// One at four radii from the centre, as the publication's is perspective: what is within 75.5 degrees of its axis is
-    /// in sight.
+    /// A camera four radii from the centre, which sees the sphere within 75.5 degrees of the camera's axis
     Perspective,
 }
 
 impl Camera {
-    /// The unit vector to a camera in direction `view` from the sphere's point with this normal.
+    /// The unit vector from the sphere's point with this normal to a camera in direction `view`.
     fn towards(self, view: Vec3, normal: Vec3) -> Vec3 {
         match self {
             Camera::Orthographic => view,
@@ -70,8 +70,8 @@ impl Camera {
     }
 }
 
-/// Draws a `sphere` map into `out`, which is overwritten.
-pub fn sphere(m: &Material, light: Vec3, view: Vec3, camera: Camera, out: &mut [f32; MAP]) {
+/// Draws a `sphere` map over the contents of `out`.
+pub(crate) fn sphere(m: &Material, light: Vec3, view: Vec3, camera: Camera, out: &mut [f32; MAP]) {
     out.fill(0.0);
     let (alpha, kd, ks) = (m.alpha(), Vec3::from(m.kd), Vec3::from(m.ks));
     let facet = |wo: Vec3| {
@@ -93,27 +93,28 @@ pub fn sphere(m: &Material, light: Vec3, view: Vec3, camera: Camera, out: &mut [
     }
 }
 
+/// Sets a bin.
 fn put(out: &mut [f32; MAP], bin: usize, rgb: Vec3) {
     (out[bin], out[BINS + bin], out[2 * BINS + bin]) = rgb.into();
 }
 
-/// What a map is drawn from.
+/// The material, light and view that a map is drawn from.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sample {
     /// The material.
     pub material: Material,
-    /// Towards the light, unit.
+    /// The unit vector to the light.
     pub light: Vec3,
-    /// Towards the camera, unit; of spheres only.
+    /// The unit vector to the camera; only spheres have a camera.
     pub view: Vec3,
 }
 
-/// What is drawn of samples.
+/// The layout of maps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Picture {
-    /// A `lobe` map.
+pub enum Layout {
+    /// The `lobe` layout.
     Lobe,
-    /// A `sphere` map as this camera sees it.
+    /// The `sphere` layout, as this camera sees the sphere.
     Sphere(Camera),
 }
 
@@ -125,11 +126,11 @@ impl Sample {
         Sample { material, light: hemisphere(&mut rng), view: hemisphere(&mut rng) }
     }
 
-    /// Draws its map.
-    pub fn render(&self, picture: Picture, out: &mut [f32; MAP]) {
-        match picture {
-            Picture::Lobe => lobe(&self.material, self.light, out),
-            Picture::Sphere(camera) => sphere(&self.material, self.light, self.view, camera, out),
+    /// Draws the sample's map over the contents of `out`.
+    pub fn render(&self, layout: Layout, out: &mut [f32; MAP]) {
+        match layout {
+            Layout::Lobe => lobe(&self.material, self.light, out),
+            Layout::Sphere(camera) => sphere(&self.material, self.light, self.view, camera, out),
         }
     }
 }
@@ -169,7 +170,7 @@ mod tests {
     }
 
     #[test]
-    fn both_kinds_are_the_same_reflection() {
+    fn both_layouts_are_the_same_reflection() {
         // A sphere's point, turned so that its normal is +z, reflects as a lobe does.
         let m = Material { kd: [0.3; 3], ks: [0.9, 0.5, 0.1], r: 0.4 };
         let (light, view) = (Vec3::new(0.48, 0.6, 0.64), Vec3::new(-0.6, 0.0, 0.8));

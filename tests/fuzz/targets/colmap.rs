@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Component, Path};
 use std::sync::LazyLock;
 
-use gonio::codec::colmap::read_model;
+use gonio::internals::codec::poses::{self, COLMAP};
 use libfuzzer_sys::fuzz_target;
 use tempfile::TempDir;
 
@@ -16,7 +16,7 @@ fuzz_target!(|bytes: &[u8]| {
     let (cameras, images) = rest.split_at(rest.len().min(u16::from_le_bytes(*length).into()));
     fs::write(FOLDER.path().join("cameras.bin"), cameras).unwrap();
     fs::write(FOLDER.path().join("images.bin"), images).unwrap();
-    for frame in read_model(FOLDER.path()).unwrap_or_default() {
+    for frame in poses::read(&COLMAP, FOLDER.path()).unwrap_or_default() {
         assert!(Path::new(&frame.name).components().all(|c| matches!(c, Component::Normal(_))), "{:?}", frame.name);
         assert!(frame.pose.translation.is_finite() && frame.pose.rotation.is_normalized());
         assert!(frame.camera.width > 0 && frame.camera.height > 0);

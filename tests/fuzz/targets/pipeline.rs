@@ -4,7 +4,7 @@
 use std::fs;
 use std::sync::LazyLock;
 
-use gonio::pipeline::check::load;
+use gonio::load;
 use libfuzzer_sys::fuzz_target;
 use tempfile::TempDir;
 

@@ -4,9 +4,10 @@
 
 use std::path::Path;
 
-use gonio::shard::block::Columns;
-use gonio::shard::format::{ENTRY, Entry, MAGIC, VERSION};
-use gonio::shard::{Segment, merge_shard};
+use gonio::internals::base::ids::ShardId;
+use gonio::internals::shard::block::Columns;
+use gonio::internals::shard::format::{ENTRY, Entry, MAGIC, VERSION};
+use gonio::internals::shard::{Segment, collect_shard};
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {
@@ -23,7 +24,7 @@ fuzz_target!(|bytes: &[u8]| {
             let Some((counts, block)) = rest.split_first_chunk::<4>() else { return };
             let squeezed = if compressed == 2 { zstd::encode_all(block, 1).unwrap() } else { block.to_vec() };
             let entry = Entry {
-                shard: 3,
+                shard: ShardId(3),
                 triangles: u16::from_le_bytes([counts[0], counts[1]]).into(),
                 records: u16::from_le_bytes([counts[2], counts[3]]).into(),
                 crc: crc32fast::hash(&squeezed),
@@ -54,17 +55,17 @@ fn read(bytes: &[u8]) {
     for entry in segment.index() {
         let Ok(Some(block)) = segment.block(entry.shard) else { continue };
         assert_eq!(block.records.len(), entry.records as usize);
-        merge_shard(&[Segment::open(bytes, Path::new("twin.seg")).unwrap()], entry.shard).unwrap();
+        collect_shard(&[Segment::open(bytes, Path::new("twin.seg")).unwrap()], entry.shard).unwrap();
         let (mut columns, mut raw, mut left) = (Columns::default(), Vec::new(), block.records.as_slice());
         columns.begin(entry.shard);
-        for &(triangle, frames, count) in &block.triangles {
-            let (own, rest) = left.split_at(count as usize);
-            columns.push(triangle, frames, own);
+        for seen in &block.triangles {
+            let (own, rest) = left.split_at(seen.records as usize);
+            columns.push(seen.triangle, seen.frames, own);
             left = rest;
         }
         columns.write(&mut raw);
         let again = zstd::encode_all(&raw[..], 1).unwrap();
-        let again = gonio::shard::block::decode(&again, entry.shard, entry.triangles, entry.records);
+        let again = gonio::internals::shard::block::decode(&again, entry.shard, entry.triangles, entry.records);
         assert_eq!(again.as_ref(), Ok(&block));
     }
 }

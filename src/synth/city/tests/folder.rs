@@ -2,9 +2,11 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
+use super::build;
 use super::small;
-use crate::codec::{npy, ply};
-use crate::synth::city::{CityConfig, build, folder, generate_if_needed};
+use crate::codec::meshes;
+use crate::codec::tables::npy;
+use crate::synth::city::{CityConfig, folder, generate_if_needed};
 
 const GO_ON: &dyn Fn() -> bool = &|| false;
 
@@ -43,7 +45,7 @@ fn the_files_hold_the_city() {
     assert_eq!(names, expected);
     let city = build(&config).unwrap();
     assert_eq!((summary.triangles, summary.frames, summary.reused), (city.mesh.len() as u64, 3, false));
-    let mesh = ply::read_mesh(&at.join("mesh.ply")).unwrap();
+    let mesh = meshes::read(&at.join("mesh.ply"), &|_| Ok(())).unwrap();
     assert_eq!(mesh.triangles, city.mesh.triangles);
     let places = |m: &crate::scene::Mesh| m.positions.iter().map(|p| m.origin + p.as_dvec3()).collect::<Vec<_>>();
     for (a, b) in places(&mesh).into_iter().zip(places(&city.mesh)) {
@@ -176,10 +178,10 @@ fn a_configuration_out_of_range_touches_nothing() {
 }
 
 #[test]
-fn the_room_that_it_takes_is_what_is_not_there_yet() {
+fn the_space_that_it_takes_is_what_is_not_there_yet() {
     let dir = tempfile::tempdir().unwrap();
     let (at, config) = (dir.path().join("city"), small(6));
-    let needs = || folder::room(&at, &config).unwrap().map(|room| room.needs);
+    let needs = || folder::space(&at, &config).unwrap().map(|space| space.needs);
     let all = needs().unwrap();
     assert!(!folder::is_finished(&at, &config) && all > 215 * u64::from(config.triangles), "{all}");
     let after_one = || at.join("images/frame_000.jpg").exists();
@@ -188,7 +190,7 @@ fn the_room_that_it_takes_is_what_is_not_there_yet() {
     assert!(needs().unwrap() < all && needs().unwrap() >= all.saturating_sub(there), "{there} of {all} are there");
     generate_if_needed(&at, &config, GO_ON).unwrap();
     assert!(needs().is_none() && folder::is_finished(&at, &config));
-    assert!(folder::room(&at, &small(7)).unwrap().is_some());
+    assert!(folder::space(&at, &small(7)).unwrap().is_some());
     fs::write(dir.path().join("letter"), b"dear").unwrap();
-    assert!(folder::room(dir.path(), &config).is_err());
+    assert!(folder::space(dir.path(), &config).is_err());
 }

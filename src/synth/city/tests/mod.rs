@@ -10,6 +10,22 @@ use super::surface::{Block, Spot};
 use super::town::Use;
 use super::*;
 
+/// The mesh of a city and the material of each of its triangles.
+#[derive(Debug, Clone)]
+struct City {
+    mesh: Mesh,
+    materials: Vec<Material>,
+}
+
+fn build(config: &CityConfig) -> Result<City> {
+    let mut materials = Vec::new();
+    let mesh = fill(config, survey(config)?, &mut |some| {
+        materials.extend_from_slice(some);
+        Ok(())
+    })?;
+    Ok(City { mesh, materials })
+}
+
 fn small(seed: u64) -> CityConfig {
     CityConfig { seed, triangles: 5000, frames: 3, width: 64, height: 48, ..CityConfig::default() }
 }
@@ -75,7 +91,7 @@ fn blocks_meet_without_a_gap() {
     let mut seen: BTreeMap<[i32; 2], DVec3> = BTreeMap::new();
     for at in town.blocks() {
         for (dx, dy) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
-            let place = town.ground(at).place(DVec2::new(f64::from(dx) * end, f64::from(dy) * end));
+            let place = town.ground(at).point(DVec2::new(f64::from(dx) * end, f64::from(dy) * end));
             let first = *seen.entry([at[0] + dx, at[1] + dy]).or_insert(place);
             assert!(first.distance(place) < 1e-9, "{first} {place}");
         }

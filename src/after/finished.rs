@@ -1,0 +1,64 @@
+//! What every look at a finished run begins with.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use crate::base::{Error, PhaseName, Result};
+use crate::disk::Recipe;
+use crate::disk::{DirStore, Ledger, Store};
+use crate::phases::{LoadedScene, Meshes};
+use crate::pipeline::Pipeline;
+use crate::stages::merge::Materials;
+
+/// A finished run.
+pub(super) struct Finished {
+    /// The scene that it was run on.
+    pub scene: LoadedScene,
+    /// The materials that came of it.
+    pub materials: Materials,
+    /// The recipe of the tables that hold them.
+    pub tables: Recipe,
+}
+
+/// The scene of a pipeline, with the run's folder as it is.
+pub(super) fn looked_at(pipeline: &Pipeline) -> Result<(Arc<dyn Store>, Ledger, LoadedScene)> {
+    let store: Arc<dyn Store> = Arc::new(DirStore::new(&pipeline.run.work));
+    let (ledger, _) = Ledger::read(Arc::clone(&store))?;
+    let scene = LoadedScene::read(pipeline, &*store, &ledger, Meshes::Any)?;
+    Ok((store, ledger, scene))
+}
+
+impl Finished {
+    /// Opens a finished run.
+    ///
+    /// # Errors
+    /// No finished materials, or those of another mesh; anything that cannot be read.
+    pub(super) fn open(pipeline: &Pipeline) -> Result<Self> {
+        let again = |why: &str| Error::invalid(format!("{why}: `gonio run {}` makes them", pipeline.file.display()));
+        let work = pipeline.run.work.display();
+        let (store, ledger, scene) = looked_at(pipeline)?;
+        let tables = ledger.of_phase(PhaseName::Merge).first().map(|unit| ledger.recipe(unit)).transpose()?;
+        let tables = tables.ok_or_else(|| again(&format!("{work} has no materials yet")))?;
+        let materials = Materials::open(&*store)?;
+        let same = tables.ingredient("scene.mesh") == Some(&scene.mesh_key.to_string());
+        if !same || scene.mesh.len() != materials.rows.len() {
+            let mesh = pipeline.scene.mesh.display();
+            return Err(again(&format!("the materials in {work} are not those of {mesh}")));
+        }
+        Ok(Finished { scene, materials, tables })
+    }
+}
+
+/// Refuses to write a file where the user said if its folder is not there.
+///
+/// # Errors
+/// No such folder.
+pub(super) fn writable(out: &Path) -> Result<()> {
+    let folder = out.parent().filter(|p| !p.as_os_str().is_empty());
+    match folder {
+        Some(folder) if !folder.is_dir() => {
+            Err(Error::invalid(format!("{}: there is no folder {}: make it first", out.display(), folder.display())))
+        }
+        _ => Ok(()),
+    }
+}

@@ -1,0 +1,120 @@
+//! How the materials of a finished run relight, where the truth is known: frames rendered with both, in the light of the
+//! photographs where that is known, and under other suns.
+
+use std::path::Path;
+
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
+
+use super::finished::Finished;
+use super::picture::{Light, as_decoded, lighting};
+use crate::base::ids::TriangleId;
+use crate::base::{Array, Error, Result};
+use crate::codec::tables::npy;
+use crate::pipeline::Pipeline;
+use crate::render::metrics::{MaterialErrors, compare, diffuse_guess};
+use crate::render::pictures::PixelErrors;
+use crate::render::visibility::SKY_RAYS;
+use crate::render::{Lighting, relight, sky_visibility};
+use crate::scene::Material;
+use crate::scene::evidence::{Evidence, Filled};
+use crate::stages::light::{Mode, SceneLight};
+
+/// The other suns: elevation and azimuth about `[scene] up`, degrees.
+pub(crate) const SUNS: [(f64, f64); 4] = [(20.0, 60.0), (35.0, 150.0), (55.0, 290.0), (75.0, 0.0)];
+
+/// The sky that they stand in where none is known.
+const SKY: f32 = 0.2;
+
+/// How an estimate does.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Judged {
+    /// The estimate's name.
+    pub name: &'static str,
+    /// The errors of the components, over the triangles that were seen.
+    pub errors: MaterialErrors,
+    /// Peak signal-to-noise ratio of linear radiance, clipped to [0, 1], over the pixels that show them, dB: in the
+    /// light of the photographs, where it is known.
+    pub same: Option<f64>,
+    /// Under each of [`SUNS`].
+    pub suns: [f64; SUNS.len()],
+}
+
+/// Judges the materials of a finished run, and trivial estimates beside it, in this many frames, spread over the flight.
+///
+/// # Errors
+/// No finished run; a truth that cannot be read or has other triangles; no triangle that was seen.
+pub(crate) fn judge(pipeline: &Pipeline, truth: &Path, frames: usize) -> Result<Vec<Judged>> {
+    let Finished { scene, materials, .. } = Finished::open(pipeline)?;
+    let truth: Vec<Material> = npy::read_rows(truth)?.into_iter().map(Material::from).collect();
+    let evidence: Vec<Evidence> = materials.evidence.iter().map(|row| Evidence::from_array(*row)).collect();
+    let seen: Vec<bool> = evidence.iter().map(|e| e.filled == Filled::Observed).collect();
+    if !seen.contains(&true) {
+        return Err(Error::invalid("no triangle was seen: there is nothing to judge"));
+    }
+    let (mesh, bvh) = (&scene.mesh, scene.bvh());
+    let known = (pipeline.light.mode == Mode::Known).then_some(&pipeline.light);
+    let mean: Vec<[f32; 3]> = evidence.iter().map(|e| e.mean_radiance).collect();
+    let mut estimates = vec![
+        ("estimate", materials.rows.iter().copied().map(Material::from).collect()),
+        ("mean radiance as kd, ks 0, r 0.5", diffuse_guess(&mean)),
+    ];
+    if let Some(config) = known {
+        let light = SceneLight::new(config, mesh, &bvh, pipeline.scene.up);
+        estimates.push(("Lambertian in the known light", lambertian(&light, &mean)));
+    }
+    let errors: Vec<MaterialErrors> =
+        estimates.iter().map(|(_, estimate)| compare(&truth, estimate, &seen)).collect::<Result<_>>()?;
+
+    // What is not to be compared is no number in the pictures of the truth.
+    let nothing = Material::from([f32::NAN; Material::LEN]);
+    let compared: Vec<Material> = truth.iter().zip(&seen).map(|(m, seen)| if *seen { *m } else { nothing }).collect();
+    let lights = lights(pipeline, sky_visibility(mesh, &bvh, up(pipeline), SKY_RAYS, 0..mesh.len()).into())?;
+    let mut sums = vec![vec![PixelErrors::default(); lights.len()]; estimates.len()];
+    let count = frames.clamp(1, scene.frames.len());
+    for posed in (0..count).map(|i| &scene.frames[i * scene.frames.len() / count]) {
+        let frame = as_decoded(pipeline, posed);
+        for (at, light) in lights.iter().enumerate() {
+            let wanted = relight(mesh, &bvh, &compared, &frame, light)?;
+            for ((_, estimate), sums) in estimates.iter().zip(&mut sums) {
+                sums[at].add(&wanted.rgb, &relight(mesh, &bvh, estimate, &frame, light)?.rgb);
+            }
+        }
+    }
+    let judged = estimates.iter().zip(errors).zip(sums).map(|(((name, _), errors), sums)| {
+        let psnr: Vec<f64> = sums.iter().map(PixelErrors::psnr).collect();
+        let (same, suns) = psnr.split_at(psnr.len() - SUNS.len());
+        Judged { name, errors, same: same.first().copied(), suns: std::array::from_fn(|i| suns[i]) }
+    });
+    Ok(judged.collect())
+}
+
+/// The light of the photographs, if it is known, and then the other suns.
+fn lights(pipeline: &Pipeline, visibility: Array<f32>) -> Result<Vec<Lighting>> {
+    let known = (pipeline.light.mode == Mode::Known).then(|| pipeline.light.sun_and_sky());
+    let sky = known.map_or(Vec3::splat(SKY), |(_, sky)| sky);
+    let under = |sun| {
+        let background = Vec3::NAN;
+        Lighting { up: up(pipeline), visibility: visibility.clone(), background, ..Lighting::new(sun, sky) }
+    };
+    let others = SUNS.iter().map(|&(elevation_deg, azimuth_deg)| {
+        let light = Light::Sun { elevation_deg, azimuth_deg, sky: SKY };
+        lighting(light, DVec3::from(pipeline.scene.up)).map(|lighting| lighting.sun)
+    });
+    known.map(|(sun, _)| Ok(sun)).into_iter().chain(others).map(|sun| sun.map(under)).collect()
+}
+
+fn up(pipeline: &Pipeline) -> Vec3 {
+    DVec3::from(pipeline.scene.up).normalize().as_vec3()
+}
+
+/// Least squares of a matt surface in a known light: its mean radiance over that of a white one; the middle where there is
+/// no light.
+fn lambertian(light: &SceneLight<'_>, mean: &[[f32; 3]]) -> Vec<Material> {
+    let kd = |t: usize, mean: &[f32; 3]| {
+        let local = light.local(TriangleId::at(t));
+        let white = local.sun * local.direction.z.max(0.0) + local.sky;
+        std::array::from_fn(|c| if white[c] > 1e-3 { (mean[c] / white[c]).clamp(0.0, 1.0) } else { 0.5 })
+    };
+    mean.par_iter().enumerate().map(|(t, mean)| Material { kd: kd(t, mean), ks: [0.0; 3], r: 0.5 }).collect()
+}

@@ -1,0 +1,92 @@
+//! OpenEXR: the first layer that has R, G and B, on the grid of the display window, one block at a time.
+
+use std::io::{BufReader, Read, Seek};
+
+use exr::error::Error;
+use exr::image::read::read;
+use exr::math::Vec2;
+use exr::meta::MetaData;
+use exr::prelude::{ReadChannels, ReadLayers, Text};
+
+use super::size::Size;
+
+/// The contents of the header.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Header {
+    /// The size of the display window.
+    pub size: Size,
+    /// The bytes that the decoder holds beside the pixels.
+    pub workspace: u64,
+    /// Whether the layer has alpha.
+    pub alpha: bool,
+    /// The position of the layer's first pixel in the display window.
+    offset: Vec2<i32>,
+}
+
+impl Header {
+    /// Reads the header.
+    ///
+    /// # Errors
+    /// In words: those of the decoder; a file without an RGB layer.
+    pub(super) fn read(file: &mut impl Read) -> Result<Header, String> {
+        let meta = MetaData::read_from_buffered(file, false).map_err(words)?;
+        let has = |header: &exr::meta::header::Header, name: &str| {
+            header.channels.find_index_of_channel(&Text::from(name)).is_some()
+        };
+        let layer = meta.headers.iter().find(|h| !h.deep && ["R", "G", "B"].iter().all(|name| has(h, name)));
+        let layer = layer.ok_or("no layer has the channels R, G and B")?;
+        let window = layer.shared_attributes.display_window;
+        let side = |side: usize| u32::try_from(side).map_err(|_| "the display window is too large".to_owned());
+        // A block is held as the file has it, decompressed, and as samples.
+        let block = meta.headers.iter().map(|h| h.max_block_byte_size() as u64).max().unwrap_or(0);
+        let size = Size { width: side(window.size.width())?, height: side(window.size.height())? };
+        let offset = layer.own_attributes.layer_position - window.position;
+        Ok(Header { size, workspace: 4 * block, alpha: has(layer, "A"), offset })
+    }
+}
+
+/// Decodes the samples of a file with this header: three `CHANNELS` are RGB, four are RGB and alpha. Pixels outside the
+/// layer are 0, alpha included.
+///
+/// # Errors
+/// In words: those of the decoder.
+pub(super) fn decode<const CHANNELS: usize>(
+    file: BufReader<impl Read + Seek>,
+    header: &Header,
+) -> Result<Vec<f32>, String> {
+    let Header { size: Size { width, height }, offset, .. } = *header;
+    let samples = CHANNELS * width as usize * height as usize;
+    let image = read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .rgba_channels(
+            move |_, _| vec![0f32; samples],
+            move |pixels: &mut Vec<f32>, at, (r, g, b, a): (f32, f32, f32, f32)| {
+                let (x, y) = (within(at.x(), offset.x(), width), within(at.y(), offset.y(), height));
+                if let (Some(x), Some(y)) = (x, y) {
+                    let first = CHANNELS * (y * width as usize + x);
+                    pixels[first..first + CHANNELS].copy_from_slice(&[r, g, b, a][..CHANNELS]);
+                }
+            },
+        )
+        .first_valid_layer()
+        .all_attributes()
+        // Frames are read by as many threads as there are; a pool in each would hold a block a thread.
+        .non_parallel()
+        .from_buffered(file)
+        .map_err(words)?;
+    Ok(image.layer_data.channel_data.pixels)
+}
+
+/// The position of a layer's sample along a side of the display window; `None` outside.
+fn within(at: usize, offset: i32, side: u32) -> Option<usize> {
+    let at = i64::try_from(at).ok()?.checked_add(offset.into())?;
+    usize::try_from(at).ok().filter(|&at| at < side as usize)
+}
+
+fn words(why: Error) -> String {
+    match why {
+        Error::Io(why) if why.kind() == std::io::ErrorKind::UnexpectedEof => "the file ends early".to_owned(),
+        why => why.to_string(),
+    }
+}

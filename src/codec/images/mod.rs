@@ -1,0 +1,26 @@
+//! Photographs, masks and pictures, through the `image` crate: JPEG, PNG and TIFF of 8 and 16 bits, EXR, HDR.
+//!
+//! - Samples come out as narrow as they were stored, on the pixel grid that they were stored on. An EXIF orientation is
+//!   never applied, since poses were solved without it. Grey becomes RGB. A photograph's alpha is dropped; a picture that
+//!   is compared ([`read_picture`]) is masked where its alpha is 0.
+//! - The header tells how much memory an image takes ([`need()`]), so that the memory is set aside first. A header's claims
+//!   are believed only within the size of the camera (65,535 pixels a side if there is none) and the memory that was set
+//!   aside.
+
+mod exr;
+mod jpeg;
+mod need;
+mod read;
+mod size;
+#[cfg(test)]
+mod tests;
+mod transfer;
+mod write;
+
+pub(crate) use need::Need;
+pub(crate) use read::{is_picture, mask_need, mask_path, read_mask, read_picture, size};
+pub use read::{need, read_image};
+pub use size::Size;
+pub use transfer::{Curve, Transfer};
+pub(crate) use transfer::{to_srgb, to_srgb8};
+pub use write::{write_jpeg, write_png};

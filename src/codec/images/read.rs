@@ -1,0 +1,247 @@
+//! Reads photographs and masks. The need of a file follows from its header, by the same rules before it is read and while
+//! it is read: a file that needs more memory than it was given is refused before a sample is decoded.
+
+use std::fs::File;
+use std::io::{BufRead, BufReader, ErrorKind, Read, Seek};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use image::error::{ImageError, LimitErrorKind};
+use image::{ColorType, DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
+
+use super::need::{Becomes, Need, PNG_METADATA, tiff_values};
+use super::size::Size;
+use super::transfer::Curve;
+use super::{exr, jpeg};
+use crate::base::convert::to_usize;
+use crate::base::units::Bytes;
+use crate::base::{Error, Result};
+use crate::scene::frame::{LinearImage, Samples};
+
+/// The largest picture whose size is not known beforehand: a JPEG has no longer sides.
+const MOST: Size = Size { width: 65_535, height: 65_535 };
+
+/// The memory that reading a photograph of this size takes.
+///
+/// # Errors
+/// No such file, an unknown format, a damaged header, another size.
+pub fn need(path: &Path, size: Size) -> Result<Need> {
+    Ok(Opened::new(path, Some(size), Becomes::Rgb)?.need)
+}
+
+/// Whether a file has the ending of a format that is read: .jpg, .jpeg, .png, .tif, .tiff, .exr or .hdr.
+pub(crate) fn is_picture(path: &Path) -> bool {
+    let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
+    ["jpg", "jpeg", "png", "tif", "tiff", "exr", "hdr"].iter().any(|known| ending == *known)
+}
+
+/// The size of a picture by its header, at most 65,535 pixels a side.
+///
+/// # Errors
+/// No such file, an unknown format, a damaged header, a larger one.
+pub(crate) fn size(path: &Path) -> Result<Size> {
+    Ok(Opened::new(path, None, Becomes::Rgb)?.size)
+}
+
+/// Reads a photograph of this size, unmasked, within `memory` bytes.
+///
+/// # Errors
+/// No such file, an unknown format, a damaged file, another size, a file that takes more memory.
+pub fn read_image(path: &Path, size: Size, curve: &Curve, memory: u64) -> Result<LinearImage> {
+    Ok(linear(Opened::new(path, Some(size), Becomes::Rgb)?.decode(memory)?, size, curve))
+}
+
+/// Reads a picture of this size within `memory` bytes. Pixels are masked where alpha is 0; in an EXR with alpha, also
+/// where the file has no pixels.
+///
+/// # Errors
+/// Those of [`read_image`].
+pub(crate) fn read_picture(path: &Path, size: Size, curve: &Curve, memory: u64) -> Result<LinearImage> {
+    let decoded = Opened::new(path, Some(size), Becomes::Masked)?.decode(memory)?;
+    let mask = match &decoded {
+        DynamicImage::ImageLumaA8(picture) => Some(opaque::<_, 2>(picture)),
+        DynamicImage::ImageLumaA16(picture) => Some(opaque::<_, 2>(picture)),
+        DynamicImage::ImageRgba8(picture) => Some(opaque::<_, 4>(picture)),
+        DynamicImage::ImageRgba16(picture) => Some(opaque::<_, 4>(picture)),
+        DynamicImage::ImageRgba32F(picture) => Some(opaque::<_, 4>(picture)),
+        _ => None,
+    };
+    Ok(LinearImage { mask, ..linear(decoded, size, curve) })
+}
+
+/// The mask of pixels whose last channel is alpha.
+fn opaque<T: Default + PartialEq, const CHANNELS: usize>(samples: &[T]) -> Vec<u8> {
+    samples.as_chunks::<CHANNELS>().0.iter().map(|pixel| u8::from(pixel[CHANNELS - 1] != T::default())).collect()
+}
+
+fn linear(decoded: DynamicImage, size: Size, curve: &Curve) -> LinearImage {
+    let (samples, table): (_, Arc<[f32]>) = match decoded.color() {
+        ColorType::L8 | ColorType::La8 | ColorType::Rgb8 | ColorType::Rgba8 => {
+            (Samples::U8(decoded.into_rgb8().into_raw()), curve.eight.clone())
+        }
+        ColorType::L16 | ColorType::La16 | ColorType::Rgb16 | ColorType::Rgba16 => {
+            (Samples::U16(decoded.into_rgb16().into_raw()), curve.sixteen.clone())
+        }
+        _ => (Samples::F32(decoded.into_rgb32f().into_raw()), Arc::from([])),
+    };
+    LinearImage { width: size.width, height: size.height, samples, table, mask: None }
+}
+
+/// The mask of an image in a folder of masks: `NAME.png`, as COLMAP names it, or the image's name with the ending `.png`;
+/// `None` if there is neither file: every pixel counts.
+pub(crate) fn mask_path(masks: &Path, name: &str) -> Option<PathBuf> {
+    let appended = masks.join(format!("{name}.png"));
+    let replaced = masks.join(name).with_extension("png");
+    [appended, replaced].into_iter().find(|path| path.is_file())
+}
+
+/// The memory that reading the mask of an image takes; none if there is no mask.
+///
+/// # Errors
+/// A damaged header, another size.
+pub(crate) fn mask_need(masks: &Path, name: &str, size: Size) -> Result<Need> {
+    mask_path(masks, name).map_or(Ok(Need::default()), |path| Ok(Opened::new(&path, Some(size), Becomes::Grey)?.need))
+}
+
+/// Reads the mask of an image of this size within `memory` bytes: 0 where a pixel is ignored, anything else where it
+/// counts.
+///
+/// # Errors
+/// A damaged file, another size, a file that takes more memory.
+pub(crate) fn read_mask(masks: &Path, name: &str, size: Size, memory: u64) -> Result<Option<Vec<u8>>> {
+    let Some(path) = mask_path(masks, name) else { return Ok(None) };
+    Ok(Some(Opened::new(&path, Some(size), Becomes::Grey)?.decode(memory)?.into_luma8().into_raw()))
+}
+
+/// An image file whose header is read.
+struct Opened<'a> {
+    path: &'a Path,
+    size: Size,
+    length: u64,
+    content: Content,
+    becomes: Becomes,
+    need: Need,
+}
+
+enum Content {
+    Jpeg(BufReader<File>, jpeg::Header),
+    Exr(BufReader<File>, exr::Header),
+    Other(Box<dyn ImageDecoder>, ImageFormat),
+}
+
+impl<'a> Opened<'a> {
+    fn new(path: &'a Path, expected: Option<Size>, becomes: Becomes) -> Result<Self> {
+        let most = expected.unwrap_or(MOST);
+        let file = File::open(path).map_err(Error::io("open", path))?;
+        let length = file.metadata().map_err(Error::io("open", path))?.len();
+        let mut file = BufReader::new(file);
+        let start = file.fill_buf().map_err(Error::io("read", path))?;
+        let format = image::guess_format(start)
+            .map_err(|_| Error::malformed(path, "no image that gonio reads: JPEG, PNG, TIFF, EXR or HDR"))?;
+        let (content, size) = match format {
+            ImageFormat::Jpeg => {
+                let header = jpeg::Header::read(&mut file).map_err(|why| match why.kind() {
+                    ErrorKind::UnexpectedEof => Error::malformed(path, "the JPEG is cut short within its header"),
+                    ErrorKind::InvalidData => Error::malformed(path, why.to_string()),
+                    _ => Error::io("read", path)(why),
+                })?;
+                (Content::Jpeg(file, header), header.size)
+            }
+            ImageFormat::OpenExr => {
+                let header = exr::Header::read(&mut file).map_err(|why| Error::malformed(path, why))?;
+                (Content::Exr(file, header), header.size)
+            }
+            format => {
+                let mut reader = ImageReader::with_format(file, format);
+                reader.limits(limits(most, PNG_METADATA));
+                let decoder = reader.into_decoder().map_err(|why| refused(path, most, why))?;
+                let (width, height) = decoder.dimensions();
+                let size = Size { width, height };
+                (Content::Other(Box::new(decoder), format), size)
+            }
+        };
+        if expected.is_some_and(|expected| size != expected) {
+            return Err(Error::malformed(path, format!("{size} pixels, where {most} are expected")));
+        }
+        if size.width > most.width || size.height > most.height {
+            return Err(too_large(path, most));
+        }
+        // The size must be checked first: the bytes of an unchecked one could overflow.
+        let need = match &content {
+            Content::Jpeg(_, header) => Need::of_jpeg(header, length, becomes),
+            Content::Exr(_, header) => Need::of_exr(header, becomes),
+            Content::Other(decoder, ImageFormat::Png) => Need::of_png(size, decoder.color_type(), becomes),
+            Content::Other(_, ImageFormat::Hdr) => Need::of_hdr(size, becomes),
+            Content::Other(decoder, _) => Need::of_tiff(size, decoder.color_type(), length, becomes),
+        };
+        Ok(Opened { path, size, length, content, becomes, need })
+    }
+
+    fn decode(self, memory: u64) -> Result<DynamicImage> {
+        let Opened { path, size, length, content, becomes, need } = self;
+        if need.peak > memory {
+            let [needs, has] = [need.peak, memory].map(Bytes);
+            return Err(Error::malformed(path, format!("reading it takes {needs} of memory, and it was given {has}")));
+        }
+        match content {
+            Content::Jpeg(file, header) => {
+                let bytes = read_all(path, file, length)?;
+                if !jpeg::is_whole(&bytes) {
+                    return Err(Error::malformed(path, "the JPEG is cut short: its end is missing"));
+                }
+                jpeg::decode(&bytes, &header).map_err(|why| Error::malformed(path, why))
+            }
+            Content::Exr(mut file, header) => {
+                file.rewind().map_err(Error::io("read", path))?;
+                let picture = if becomes == Becomes::Masked && header.alpha {
+                    let samples = exr::decode::<4>(file, &header).map_err(|why| Error::malformed(path, why))?;
+                    image::Rgba32FImage::from_raw(size.width, size.height, samples).map(DynamicImage::from)
+                } else {
+                    let samples = exr::decode::<3>(file, &header).map_err(|why| Error::malformed(path, why))?;
+                    image::Rgb32FImage::from_raw(size.width, size.height, samples).map(DynamicImage::from)
+                };
+                picture.ok_or_else(|| Error::malformed(path, "some of its pixels are missing"))
+            }
+            Content::Other(mut decoder, format) => {
+                if format == ImageFormat::Tiff {
+                    // The decoder subtracts the pixels from the limit; the values of the directory may have the rest.
+                    let decoded = decoder.total_bytes();
+                    let most = decoded / 3 * 4 + tiff_values(length, decoded);
+                    decoder.set_limits(limits(size, most)).map_err(|why| refused(path, size, why))?;
+                }
+                DynamicImage::from_decoder(decoder).map_err(|why| refused(path, size, why))
+            }
+        }
+    }
+}
+
+/// All bytes of a file, which must have the same length as when its header was read.
+fn read_all(path: &Path, mut file: BufReader<File>, length: u64) -> Result<Vec<u8>> {
+    file.rewind().map_err(Error::io("read", path))?;
+    // One byte more, so that the end is found without growing the vector.
+    let mut bytes = Vec::with_capacity(to_usize(length) + 1);
+    file.take(length + 1).read_to_end(&mut bytes).map_err(Error::io("read", path))?;
+    if bytes.len() as u64 != length {
+        return Err(Error::malformed(path, "its length changed while it was read"));
+    }
+    Ok(bytes)
+}
+
+fn limits(size: Size, bytes: u64) -> Limits {
+    let mut limits = Limits::default();
+    (limits.max_image_width, limits.max_image_height) = (Some(size.width), Some(size.height));
+    limits.max_alloc = Some(bytes);
+    limits
+}
+
+fn too_large(path: &Path, most: Size) -> Error {
+    Error::malformed(path, format!("it is larger than {most} pixels, the most that is expected"))
+}
+
+fn refused(path: &Path, most: Size, why: ImageError) -> Error {
+    match why {
+        ImageError::IoError(why) if why.kind() != ErrorKind::UnexpectedEof => Error::io("read", path)(why),
+        ImageError::Limits(limit) if matches!(limit.kind(), LimitErrorKind::DimensionError) => too_large(path, most),
+        why => Error::malformed(path, why.to_string()),
+    }
+}

@@ -1,0 +1,187 @@
+use std::fs;
+use std::path::PathBuf;
+
+use image::{DynamicImage, ImageFormat, Rgb, Rgb32FImage, RgbImage, Rgba, Rgba32FImage};
+
+use super::*;
+use crate::scene::frame::LinearImage;
+
+/// More memory than any of these images takes.
+const PLENTY: u64 = 1 << 30;
+
+fn sized(width: u32, height: u32) -> Size {
+    Size { width, height }
+}
+
+fn linear() -> Curve {
+    Curve::new(Transfer::Linear)
+}
+
+fn saved(name: &str, picture: &DynamicImage) -> (tempfile::TempDir, PathBuf) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join(name);
+    picture.save(&path).unwrap();
+    (folder, path)
+}
+
+fn gradient() -> RgbImage {
+    RgbImage::from_fn(6, 4, |x, y| Rgb([x as u8 * 40, y as u8 * 60, 254]))
+}
+
+fn rgb(image: &LinearImage, at: usize) -> [f32; 3] {
+    image.pixel(at).unwrap().rgb
+}
+
+#[test]
+fn every_format_gives_its_own_samples() {
+    let eight = DynamicImage::from(gradient());
+    let bright = Rgb32FImage::from_fn(6, 4, |x, _| Rgb([x as f32 * 2.5, 0.5, 1.0]));
+    for (name, picture, tolerance) in [
+        ("a.png", eight.clone(), 0.0),
+        ("b.png", DynamicImage::from(eight.to_rgb16()), 0.0),
+        ("c.tiff", eight.clone(), 0.0),
+        ("d.tiff", DynamicImage::from(eight.to_rgb16()), 0.0),
+        ("e.jpg", eight.clone(), 0.12),
+        ("f.exr", DynamicImage::from(bright.clone()), 0.0),
+        ("g.hdr", DynamicImage::from(bright), 0.05),
+    ] {
+        let (_folder, path) = saved(name, &picture);
+        let image = read_image(&path, sized(6, 4), &linear(), PLENTY).unwrap();
+        let expected = picture.to_rgb32f();
+        for (at, pixel) in expected.pixels().enumerate() {
+            for c in 0..3 {
+                let error = (rgb(&image, at)[c] - pixel.0[c]).abs();
+                assert!(error <= tolerance + 1e-6, "{name} pixel {at}: {error}");
+            }
+        }
+    }
+}
+
+#[test]
+fn grey_and_alpha_are_read_as_rgb() {
+    for picture in [DynamicImage::from(gradient()).to_luma8().into(), DynamicImage::from(gradient()).to_rgba8().into()]
+    {
+        let picture: DynamicImage = picture;
+        let (_folder, path) = saved("a.png", &picture);
+        assert_eq!(read_image(&path, sized(6, 4), &linear(), PLENTY).unwrap().len(), 24);
+    }
+}
+
+#[test]
+fn pictures_are_masked_where_alpha_is_0() {
+    // The first column is clear, the second nearly so.
+    let clear = DynamicImage::from(Rgba32FImage::from_fn(6, 4, |x, _| Rgba([0.5, 0.5, 0.5, x as f32 / 6.0])));
+    for (name, picture) in [
+        ("a.png", clear.to_rgba8().into()),
+        ("b.png", clear.to_luma_alpha16().into()),
+        ("c.tiff", clear.to_rgba16().into()),
+        ("d.exr", clear.clone()),
+    ] {
+        let picture: DynamicImage = picture;
+        let (_folder, path) = saved(name, &picture);
+        assert_eq!(size(&path).unwrap(), sized(6, 4));
+        let read = read_picture(&path, sized(6, 4), &linear(), PLENTY).unwrap();
+        for at in 0..24 {
+            assert_eq!(read.pixel(at).is_none(), at % 6 == 0, "{name} pixel {at}");
+        }
+        assert!((rgb(&read, 1)[2] - 0.5).abs() < 2e-3, "{name}");
+        // A photograph's alpha means nothing.
+        assert!(read_image(&path, sized(6, 4), &linear(), PLENTY).unwrap().pixel(0).is_some(), "{name}");
+    }
+    let (_folder, path) = saved("e.png", &gradient().into());
+    assert!(read_picture(&path, sized(6, 4), &linear(), PLENTY).unwrap().mask.is_none());
+}
+
+#[test]
+fn samples_at_254_and_above_count_as_clipped() {
+    for (value, clipped) in [(253, false), (254, true), (255, true)] {
+        let (_folder, path) = saved("a.png", &RgbImage::from_pixel(2, 2, Rgb([9, value, 9])).into());
+        assert_eq!(
+            read_image(&path, sized(2, 2), &linear(), PLENTY).unwrap().pixel(3).unwrap().clipped,
+            clipped,
+            "{value}"
+        );
+    }
+}
+
+#[test]
+fn another_size_is_refused_before_it_is_decoded() {
+    let (_folder, path) = saved("a.png", &gradient().into());
+    for size in [sized(6, 5), sized(5, 4), sized(3, 2), sized(60, 40)] {
+        let error = read_image(&path, size, &linear(), PLENTY).unwrap_err().to_string();
+        assert!(error.contains("a.png") && error.contains(&size.to_string()), "{error}");
+    }
+}
+
+#[test]
+fn every_cut_is_refused_and_none_panics() {
+    for name in ["a.png", "b.tiff", "c.exr", "d.hdr", "e.jpg"] {
+        let picture: DynamicImage = match name {
+            "c.exr" | "d.hdr" => DynamicImage::from(gradient()).to_rgb32f().into(),
+            _ => gradient().into(),
+        };
+        let (_folder, path) = saved(name, &picture);
+        let bytes = fs::read(&path).unwrap();
+        for length in 0..bytes.len() {
+            fs::write(&path, &bytes[..length]).unwrap();
+            let read = read_image(&path, sized(6, 4), &linear(), PLENTY);
+            // A PNG may lack its last chunk and still hold every pixel.
+            let spare = if name == "a.png" { 16 } else { 0 };
+            assert!(read.is_err() || length + spare > bytes.len(), "{name} cut to {length} of {}", bytes.len());
+        }
+    }
+}
+
+#[test]
+fn a_thumbnail_in_a_jpeg_is_not_its_end() {
+    let (_folder, path) = saved("e.jpg", &gradient().into());
+    let bytes = fs::read(&path).unwrap();
+    let thumbnail = [&[0xff, 0xe1], &(2 + bytes.len() as u16).to_be_bytes()[..], &bytes].concat();
+    let whole = [&bytes[..2], &thumbnail, &bytes[2..], b"what cameras append"].concat();
+    for (length, read) in [(whole.len(), true), (whole.len() - 20, false), (2 + thumbnail.len() + 100, false)] {
+        fs::write(&path, &whole[..length]).unwrap();
+        assert_eq!(read_image(&path, sized(6, 4), &linear(), PLENTY).is_ok(), read, "{length}");
+    }
+}
+
+#[test]
+fn a_header_that_claims_more_than_the_camera_has_allocates_nothing() {
+    let (_folder, path) = saved("a.png", &gradient().into());
+    let mut bytes = fs::read(&path).unwrap();
+    bytes[16..24].copy_from_slice(&[0x7f, 0xff, 0xff, 0xff, 0x7f, 0xff, 0xff, 0xff]);
+    let crc = crc32fast::hash(&bytes[12..29]);
+    bytes[29..33].copy_from_slice(&crc.to_be_bytes());
+    fs::write(&path, bytes).unwrap();
+    assert!(read_image(&path, sized(6, 4), &linear(), PLENTY).is_err());
+    // Nor one that claims more than any picture, where there is no camera.
+    assert!(size(&path).unwrap_err().to_string().contains("larger than 65535 x 65535 pixels"));
+}
+
+#[test]
+fn masks_are_found_by_either_name_and_ignore_what_is_zero() {
+    let folder = tempfile::tempdir().unwrap();
+    let mask = image::GrayImage::from_fn(6, 4, |x, _| image::Luma([if x == 2 { 0 } else { 7 }]));
+    assert_eq!(read_mask(folder.path(), "one.jpg", sized(6, 4), PLENTY).unwrap(), None);
+    for (name, file) in [("one.jpg", "one.jpg.png"), ("two.jpg", "two.png")] {
+        mask.save_with_format(folder.path().join(file), ImageFormat::Png).unwrap();
+        let read = read_mask(folder.path(), name, sized(6, 4), PLENTY).unwrap().unwrap();
+        assert_eq!((read[2], read[3]), (0, 7));
+        assert!(read_mask(folder.path(), name, sized(4, 6), PLENTY).is_err());
+    }
+    let (_keep, path) = saved("p.png", &gradient().into());
+    let mut image = read_image(&path, sized(6, 4), &linear(), PLENTY).unwrap();
+    image.mask = read_mask(folder.path(), "one.jpg", sized(6, 4), PLENTY).unwrap();
+    assert!(image.pixel(2).is_none() && image.pixel(3).is_some());
+}
+
+#[test]
+fn transfers_end_in_0_and_1_and_srgb_comes_back() {
+    for transfer in [Transfer::Srgb, Transfer::Linear, Transfer::Gamma(2.2)] {
+        let curve = Curve::new(transfer);
+        assert_eq!((curve.eight[0], curve.eight[255], curve.sixteen[65_535]), (0.0, 1.0, 1.0));
+    }
+    let srgb = Curve::new(Transfer::Srgb);
+    (0..=255u8).for_each(|v| assert_eq!(to_srgb8(srgb.eight[usize::from(v)]), v));
+    assert!((srgb.eight[188] - 0.502_886).abs() < 1e-5);
+    assert_eq!((to_srgb8(f32::NAN), to_srgb8(-1.0), to_srgb8(9.0)), (0, 0, 255));
+}

@@ -1,0 +1,21 @@
+//! What a mesh format is to the rest of gonio.
+
+use std::path::Path;
+
+use crate::base::Result;
+use crate::scene::survey::Polygons;
+
+/// A format of triangle meshes that is read.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct MeshFormat {
+    /// The format's name, as people write it.
+    pub name: &'static str,
+    /// The endings of its files' names, in lower case, without the dot.
+    pub endings: &'static [&'static str],
+    /// Whether a file that begins with these bytes is of the format, whatever its name is. The bytes are the first 64, or
+    /// fewer if the file has no more.
+    pub begins: fn(&[u8]) -> bool,
+    /// Tells every vertex and triangle, in the file's order. A mesh is read in two passes: this is called twice, so that
+    /// nothing but the mesh is held. Its errors name the position of a fault in the file.
+    pub tell: fn(&Path, &mut dyn Polygons) -> Result<()>,
+}

@@ -1,0 +1,10 @@
+//! Triangle meshes. Each format is a file or folder here; those that are read stand in one list (`list`).
+
+mod format;
+pub(crate) mod glb;
+mod list;
+mod obj;
+pub(crate) mod ply;
+mod two_passes;
+
+pub use list::read;

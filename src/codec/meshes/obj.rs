@@ -1,0 +1,220 @@
+//! Wavefront OBJ (Wavefront's Advanced Visualizer manual, appendix B1), read: its vertices and faces.
+//!
+//! - `v x y z`; what follows (w, a colour) is passed over. `f` with corners `v`, `v/vt`, `v//vn` or `v/vt/vn`. Indices count
+//!   from 1; negative ones count back from the last vertex above the face.
+//! - All objects and groups are one mesh. A face of n corners becomes a fan of n - 2 triangles around its first corner.
+//! - A backslash at the end of a line continues it. Every other statement (normals, materials, lines) is passed over.
+
+use std::fs::File;
+use std::io::{BufRead, BufReader, Read};
+use std::path::Path;
+
+use glam::DVec3;
+
+use super::format::MeshFormat;
+use crate::base::{Error, Result};
+use crate::scene::survey::Polygons;
+
+/// Wavefront OBJ. Any text may begin such a file: its name decides.
+pub(crate) const OBJ: MeshFormat = MeshFormat { name: "OBJ", endings: &["obj"], begins: |_| false, tell };
+
+/// The most bytes of a statement: a file of another format must not be gathered as one line.
+const LONGEST: u64 = 1 << 20;
+
+fn tell(path: &Path, to: &mut dyn Polygons) -> Result<()> {
+    let file = File::open(path).map_err(Error::io("open", path))?;
+    let mut told = Told { to, vertices: 0, faces: 0 };
+    let mut lines = Lines { reader: BufReader::with_capacity(1 << 18, file), number: 0 };
+    let mut statement = Vec::new();
+    while let Some(line) = lines.next(&mut statement).map_err(|why| why.at(path))? {
+        let text = String::from_utf8_lossy(&statement);
+        told.add(&text).map_err(|found| Error::malformed(path, format!("line {line}: {found}")))?;
+    }
+    Ok(())
+}
+
+/// The vertices and faces of the statements so far.
+struct Told<'a> {
+    to: &'a mut dyn Polygons,
+    vertices: usize,
+    faces: u64,
+}
+
+impl Told<'_> {
+    /// Adds what a statement says, or says in words what is wrong with it.
+    fn add(&mut self, statement: &str) -> Result<(), String> {
+        let statement = statement.split('#').next().unwrap_or_default();
+        let mut words = statement.split_ascii_whitespace();
+        match words.next() {
+            Some("v") => self.vertex(words),
+            Some("f") => self.face(words),
+            _ => Ok(()),
+        }
+    }
+
+    fn vertex<'a>(&mut self, mut words: impl Iterator<Item = &'a str>) -> Result<(), String> {
+        let at = self.vertices;
+        let mut xyz = [0.0; 3];
+        for value in &mut xyz {
+            let word = words.next().ok_or_else(|| format!("vertex {at} has fewer than three coordinates"))?;
+            *value = word.parse().map_err(|_| format!("vertex {at}: {:?} is not a number", shortened(word)))?;
+        }
+        let vertex = DVec3::from(xyz);
+        if !vertex.is_finite() {
+            return Err(format!("vertex {at} is {vertex}: coordinates must be finite"));
+        }
+        self.to.vertex(vertex);
+        self.vertices += 1;
+        Ok(())
+    }
+
+    fn face<'a>(&mut self, mut words: impl Iterator<Item = &'a str>) -> Result<(), String> {
+        let face = self.faces;
+        self.faces += 1;
+        let mut corner = || words.next().map(|word| self.index(word).map_err(|why| format!("face {face}: {why}")));
+        let (Some(a), Some(b), Some(c)) = (corner(), corner(), corner()) else {
+            return Err(format!("face {face} has fewer than three corners"));
+        };
+        let (a, mut b, mut next) = (a?, b?, Some(c));
+        let mut fan = Vec::new();
+        while let Some(c) = next {
+            let c = c?;
+            fan.push([a, b, c]);
+            b = c;
+            next = corner();
+        }
+        fan.into_iter().for_each(|t| self.to.triangle(t));
+        Ok(())
+    }
+
+    /// The position of the vertex that a corner refers to.
+    fn index(&self, corner: &str) -> Result<u32, String> {
+        let word = corner.split('/').next().unwrap_or_default();
+        let named: i64 = word.parse().map_err(|_| format!("{:?} is not a whole number", shortened(corner)))?;
+        let count = i64::try_from(self.vertices).map_err(|why| why.to_string())?;
+        let position = if named < 0 { count.checked_add(named) } else { named.checked_sub(1) };
+        position.filter(|p| (0..count).contains(p)).and_then(|p| u32::try_from(p).ok()).ok_or_else(|| {
+            format!("refers to vertex {named}, but there are {count} above it, counted from 1 or back from -1")
+        })
+    }
+}
+
+fn shortened(word: &str) -> String {
+    word.chars().take(40).collect()
+}
+
+/// The statements of a file.
+struct Lines {
+    reader: BufReader<File>,
+    number: u64,
+}
+
+/// Why there is no next statement.
+enum Torn {
+    Io(std::io::Error),
+    TooLong(u64),
+}
+
+impl Torn {
+    fn at(self, path: &Path) -> Error {
+        match self {
+            Torn::Io(why) => Error::io("read", path)(why),
+            Torn::TooLong(line) => {
+                Error::malformed(path, format!("line {line} is longer than {LONGEST} bytes: this is no OBJ file"))
+            }
+        }
+    }
+}
+
+impl Lines {
+    /// Reads the next statement in place of the last; gives the number of the line that it begins in.
+    fn next(&mut self, statement: &mut Vec<u8>) -> Result<Option<u64>, Torn> {
+        statement.clear();
+        let first = self.number + 1;
+        loop {
+            let left = LONGEST - statement.len() as u64;
+            let read = self.reader.by_ref().take(left).read_until(b'\n', statement).map_err(Torn::Io)?;
+            if read == 0 {
+                return Ok((!statement.is_empty()).then_some(first));
+            }
+            self.number += 1;
+            let whole = statement.ends_with(b"\n");
+            statement.truncate(statement.trim_ascii_end().len());
+            match (whole, statement.last()) {
+                (true, Some(b'\\')) => *statement.last_mut().unwrap_or(&mut 0) = b' ',
+                (false, _) if read as u64 == left => return Err(Torn::TooLong(self.number)),
+                _ => return Ok(Some(first)),
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::codec::meshes::two_passes;
+    use crate::scene::Mesh;
+
+    fn read_text(text: &[u8]) -> Result<Mesh> {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.obj");
+        std::fs::write(&path, text).unwrap();
+        two_passes::read(&OBJ, &path, &|_| Ok(()))
+    }
+
+    fn refusal(text: &str) -> String {
+        read_text(text.as_bytes()).unwrap_err().to_string()
+    }
+
+    const SQUARE: &str = "v 0 0 0\nv 1 0 0 1.0\nv 1 1 0 0.5 0.5 0.5\nv 0 1 0\n";
+
+    #[test]
+    fn corners_of_every_kind_are_the_same_square() {
+        let square = [[0, 1, 2], [0, 2, 3]];
+        for face in ["f 1 2 3 4", "f 1/5 2/6 3/7 4/8", "f 1//1 2//1 3//1 4//1", "f 1/1/1 2/2/2 3/3/3 4/4/4"] {
+            assert_eq!(read_text(format!("{SQUARE}{face}").as_bytes()).unwrap().triangles[..], square, "{face}");
+        }
+        let split = "f -4 -3 \\\n  -2 \\\r\n -1\r\n";
+        assert_eq!(read_text(format!("{SQUARE}{split}").as_bytes()).unwrap().triangles[..], square);
+    }
+
+    #[test]
+    fn objects_are_one_mesh_and_other_statements_are_passed_over() {
+        let text = "# made by hand\nmtllib a.mtl\no first\nv 500000 5800000 1\nv 500001 5800000 1\nv 500000 5800001 1\n\
+                    vt 0 0\nvn 0 0 1\nusemtl x\ns off\nf -3 -2 -1 # in front\no second\nv 500002 5800000 1\nl 1 2\nf 2 4 3";
+        let mesh = read_text(text.as_bytes()).unwrap();
+        assert_eq!(mesh.triangles[..], [[0, 1, 2], [1, 3, 2]]);
+        assert_eq!(mesh.origin, DVec3::new(500_001.0, 5_800_000.5, 1.0));
+        let again = read_text(text.replace('\n', "\r\n").as_bytes()).unwrap();
+        assert_eq!(again, mesh);
+    }
+
+    #[test]
+    fn what_is_wrong_is_told_with_its_line() {
+        for (text, words) in [
+            ("v 0 0\n", "line 1: vertex 0 has fewer than three coordinates"),
+            ("v 0 0 zero\n", "line 1: vertex 0: \"zero\" is not a number"),
+            ("v 0 0 0\nv 0 inf 0\n", "line 2: vertex 1 is"),
+            ("v 0 0 0\nv 0 NaN 0\n", "line 2: vertex 1 is"),
+            ("v 0 0 0\nf 1 1\n", "line 2: face 0 has fewer than three corners"),
+            ("v 0 0 0\nf 0 1 1\n", "line 2: face 0: refers to vertex 0, but there are 1"),
+            ("v 0 0 0\nf 1 1 2\n", "line 2: face 0: refers to vertex 2"),
+            ("v 0 0 0\n\nf 1 -2 1\n", "line 3: face 0: refers to vertex -2"),
+            ("v 0 0 0\nf 1 1 1 x/1\n", "line 2: face 0: \"x/1\" is not a whole number"),
+            ("v 0 0 0\nf -9223372036854775808 1 1\n", "refers to vertex -9223372036854775808"),
+            ("v 0 0 0\n", "no faces"),
+            ("", "no faces"),
+        ] {
+            let found = refusal(text);
+            assert!(found.contains(words) && found.contains("a.obj"), "{text:?}: {found}");
+        }
+    }
+
+    #[test]
+    fn no_line_is_gathered_without_end() {
+        let long = [b"f ".to_vec(), vec![b'1'; 3 << 20]].concat();
+        assert!(read_text(&long).unwrap_err().to_string().contains("is longer than 1048576 bytes"));
+        let continued = "f 1 \\\n".repeat(1 << 18);
+        assert!(refusal(&continued).contains("is longer than 1048576 bytes"));
+    }
+}

@@ -1,0 +1,30 @@
+//! The format PLY: read by its header, as text or as bytes.
+
+use std::fs::File;
+use std::io::BufReader;
+use std::path::Path;
+
+use super::header::{Encoding, Header};
+use super::{ascii, binary};
+use crate::base::{Error, Result};
+use crate::codec::meshes::format::MeshFormat;
+use crate::scene::survey::Polygons;
+
+/// The Stanford polygon format. Vertices are read in f64 whatever their type.
+pub(crate) const PLY: MeshFormat = MeshFormat {
+    name: "PLY",
+    endings: &["ply"],
+    begins: |start| matches!(start.strip_prefix(b"ply"), Some([b'\n' | b'\r', ..])),
+    tell,
+};
+
+fn tell(path: &Path, to: &mut dyn Polygons) -> Result<()> {
+    let file = File::open(path).map_err(Error::io("open", path))?;
+    let length = file.metadata().map_err(Error::io("read", path))?.len();
+    let mut reader = BufReader::with_capacity(1 << 18, file);
+    let header = Header::read(&mut reader, length, path)?;
+    match header.encoding {
+        Encoding::Ascii => ascii::read(&header, reader, path, to),
+        Encoding::Binary(endian) => binary::read(&header, endian, reader, path, to),
+    }
+}

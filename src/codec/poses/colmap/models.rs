@@ -1,0 +1,210 @@
+//! COLMAP's camera models: ids, names, and the order of their parameters (`src/colmap/sensor/models.h` of COLMAP). The
+//! same table turns parameters into a lens and a lens into parameters.
+
+use std::cmp::Reverse;
+
+use glam::DVec2;
+
+use crate::scene::camera::{Camera, Distortion, Lens, Projection};
+
+/// A camera model. Its parameters are the focal lengths, the principal point, and then the terms.
+#[derive(Debug)]
+pub(super) struct Model {
+    /// COLMAP's name of the model.
+    pub name: &'static str,
+    /// How many focal lengths the model has: 1 or 2.
+    focal_lengths: usize,
+    family: Family,
+    terms: &'static [Term],
+}
+
+/// The projection of a model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Family {
+    Pinhole,
+    Perspective,
+    Equidistant,
+    /// Equidistant, with tangential and prism terms that act on the point that the radial term gives.
+    Chained,
+    FieldOfView,
+}
+
+/// A parameter after the principal point: a term of the distortion, by its position there, or omega.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Term {
+    K(usize),
+    D(usize),
+    P(usize),
+    S(usize),
+    Omega,
+}
+
+use Term::{D, K, Omega, P, S};
+
+const fn model(name: &'static str, focal_lengths: usize, family: Family, terms: &'static [Term]) -> Model {
+    Model { name, focal_lengths, family, terms }
+}
+
+/// The models. The position of a model is its id.
+static MODELS: [Model; 12] = [
+    model("SIMPLE_PINHOLE", 1, Family::Pinhole, &[]),
+    model("PINHOLE", 2, Family::Pinhole, &[]),
+    model("SIMPLE_RADIAL", 1, Family::Perspective, &[K(0)]),
+    model("RADIAL", 1, Family::Perspective, &[K(0), K(1)]),
+    model("OPENCV", 2, Family::Perspective, &[K(0), K(1), P(0), P(1)]),
+    model("OPENCV_FISHEYE", 2, Family::Equidistant, &[K(0), K(1), K(2), K(3)]),
+    model("FULL_OPENCV", 2, Family::Perspective, &[K(0), K(1), P(0), P(1), K(2), D(0), D(1), D(2)]),
+    model("FOV", 2, Family::FieldOfView, &[Omega]),
+    model("SIMPLE_RADIAL_FISHEYE", 1, Family::Equidistant, &[K(0)]),
+    model("RADIAL_FISHEYE", 1, Family::Equidistant, &[K(0), K(1)]),
+    model("THIN_PRISM_FISHEYE", 2, Family::Equidistant, &[K(0), K(1), P(0), P(1), K(2), K(3), S(0), S(2)]),
+    // COLMAP exchanges p1 and p2 in this model.
+    model(
+        "RAD_TAN_THIN_PRISM_FISHEYE",
+        2,
+        Family::Chained,
+        &[K(0), K(1), K(2), K(3), K(4), K(5), P(1), P(0), S(0), S(1), S(2), S(3)],
+    ),
+];
+
+fn known() -> String {
+    MODELS.each_ref().map(|m| m.name).join(", ")
+}
+
+/// The model of an id.
+///
+/// # Errors
+/// In words: an id that no model has.
+pub(super) fn by_id(id: i32) -> Result<&'static Model, String> {
+    let found = usize::try_from(id).ok().and_then(|id| MODELS.get(id));
+    found.ok_or_else(|| format!("camera model {id} is not known; 0 to {} are: {}", MODELS.len() - 1, known()))
+}
+
+/// The model of a name.
+///
+/// # Errors
+/// In words: a name that no model has.
+pub(super) fn by_name(name: &str) -> Result<&'static Model, String> {
+    let found = MODELS.iter().find(|m| m.name == name);
+    found.ok_or_else(|| format!("camera model {name} is not known; these are: {}", known()))
+}
+
+/// What COLMAP writes of a lens.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Written {
+    /// The id of the model.
+    pub id: i32,
+    /// The name of the model.
+    pub name: &'static str,
+    /// The parameters, in the model's order.
+    pub parameters: Vec<f64>,
+}
+
+/// A lens by the names of the table.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Parts {
+    family: Family,
+    distortion: Distortion,
+    omega: f64,
+}
+
+impl Parts {
+    fn of(lens: &Lens) -> Parts {
+        let of = |family, distortion, omega| Parts { family, distortion, omega };
+        match *lens.projection() {
+            Projection::Pinhole => of(Family::Pinhole, Distortion::default(), 0.0),
+            Projection::Perspective(d) => of(Family::Perspective, d, 0.0),
+            Projection::Equidistant(d) if d.chained => of(Family::Chained, d, 0.0),
+            Projection::Equidistant(d) => of(Family::Equidistant, d, 0.0),
+            Projection::FieldOfView { omega } => of(Family::FieldOfView, Distortion::default(), omega),
+        }
+    }
+
+    fn none(family: Family) -> Parts {
+        let distortion = Distortion { chained: family == Family::Chained, ..Distortion::default() };
+        Parts { family, distortion, omega: 0.0 }
+    }
+
+    fn term(&mut self, term: Term) -> &mut f64 {
+        match term {
+            K(at) => &mut self.distortion.radial[at],
+            D(at) => &mut self.distortion.rational[at],
+            P(at) => &mut self.distortion.tangential[at],
+            S(at) => &mut self.distortion.prism[at],
+            Omega => &mut self.omega,
+        }
+    }
+
+    fn projection(&self) -> Projection {
+        match self.family {
+            Family::Pinhole => Projection::Pinhole,
+            Family::Perspective => Projection::Perspective(self.distortion),
+            Family::Equidistant | Family::Chained => Projection::Equidistant(self.distortion),
+            Family::FieldOfView => Projection::FieldOfView { omega: self.omega },
+        }
+    }
+
+    /// The names of the terms that are not 0.
+    fn named(&self) -> String {
+        let Distortion { radial, rational, tangential, prism, chained } = &self.distortion;
+        let lists = [("k", &radial[..]), ("d", rational), ("p", tangential), ("s", prism)];
+        let set = |(name, values): (&'static str, &[f64])| -> Vec<String> {
+            let set = values.iter().enumerate().filter(|(_, value)| **value != 0.0);
+            set.map(|(at, _)| format!("{name}{}", at + 1)).collect()
+        };
+        let names = lists.into_iter().flat_map(set).collect::<Vec<_>>().join(", ");
+        if *chained { format!("{names}, chained") } else { names }
+    }
+}
+
+impl Model {
+    /// How many parameters the model has.
+    pub(super) fn count(&self) -> usize {
+        self.focal_lengths + 2 + self.terms.len()
+    }
+
+    /// The camera of this model with these parameters.
+    ///
+    /// # Errors
+    /// In words: too few or too many parameters, a parameter or a size out of range.
+    pub(super) fn camera(&self, width: u64, height: u64, parameters: &[f64]) -> Result<Camera, String> {
+        if parameters.len() != self.count() {
+            return Err(format!("{} parameters are given, and {} has {}", parameters.len(), self.name, self.count()));
+        }
+        let (focal, rest) = parameters.split_at(self.focal_lengths);
+        let focal = DVec2::new(focal[0], focal[self.focal_lengths - 1]);
+        let (centre, values) = (DVec2::new(rest[0], rest[1]), &rest[2..]);
+        let mut parts = Parts::none(self.family);
+        self.terms.iter().zip(values).for_each(|(term, value)| *parts.term(*term) = *value);
+        Camera::new(width, height, Lens::new(focal, centre, parts.projection())?)
+    }
+
+    /// Whether the model can say everything of a lens.
+    fn says(&self, focal: DVec2, mut parts: Parts) -> bool {
+        self.terms.iter().for_each(|term| *parts.term(*term) = 0.0);
+        parts == Parts::none(self.family) && (self.focal_lengths == 2 || focal.x == focal.y)
+    }
+
+    fn parameters(&self, focal: DVec2, centre: DVec2, mut parts: Parts) -> Vec<f64> {
+        let focal = &focal.to_array()[..self.focal_lengths];
+        let mut parameters = [focal, &centre.to_array()].concat();
+        parameters.extend(self.terms.iter().map(|term| *parts.term(*term)));
+        parameters
+    }
+}
+
+/// The model with the fewest terms that says everything of a lens, with two focal lengths where there is a choice. Read
+/// again, it gives the same lens to the bit.
+///
+/// # Errors
+/// In words: a lens that no model can say.
+pub(super) fn written(lens: &Lens) -> Result<Written, String> {
+    let (focal, parts) = (lens.focal(), Parts::of(lens));
+    let fitting = (0..).zip(&MODELS).filter(|(_, model)| model.says(focal, parts));
+    let fewest = fitting.min_by_key(|(_, model)| (model.terms.len(), Reverse(model.focal_lengths)));
+    let Some((id, model)) = fewest else {
+        let kind = if parts.family == Family::Perspective { "a perspective" } else { "an equidistant" };
+        return Err(format!("no camera model of COLMAP has the terms {} of {kind} lens", parts.named()));
+    };
+    Ok(Written { id, name: model.name, parameters: model.parameters(focal, lens.centre(), parts) })
+}

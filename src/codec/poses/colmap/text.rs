@@ -1,0 +1,90 @@
+//! `cameras.txt` and `images.txt`. Lines that begin with `#` are comments.
+//!
+//! ```text
+//! cameras   id MODEL width height parameters...
+//! images    two lines each: id qw qx qy qz tx ty tz camera name; then the 2D points, or nothing
+//! ```
+
+use std::fs::File;
+use std::io::{BufRead, BufReader};
+use std::path::Path;
+use std::str::FromStr;
+
+use super::models;
+use super::posed::{Cameras, Image};
+use crate::base::{Error, Result};
+use crate::scene::frame::Frame;
+
+/// The most bytes of a line: a million 2D points.
+const LONGEST_LINE: u64 = 64 << 20;
+
+/// Gives each line that says something to `line`, which answers whether to skip the line after it.
+fn each_line(path: &Path, mut line: impl FnMut(&str) -> Result<bool, String>) -> Result<()> {
+    let mut file = BufReader::new(File::open(path).map_err(Error::io("open", path))?);
+    let (mut bytes, mut skip) = (Vec::new(), false);
+    for number in 1.. {
+        bytes.clear();
+        let read = std::io::Read::take(&mut file, LONGEST_LINE).read_until(b'\n', &mut bytes);
+        if read.map_err(Error::io("read", path))? == 0 {
+            break;
+        }
+        let fault = |why: String| Error::malformed(path, format!("line {number}: {why}"));
+        if bytes.len() as u64 == LONGEST_LINE {
+            return Err(fault("it is longer than 64 MiB".to_owned()));
+        }
+        if std::mem::take(&mut skip) {
+            continue;
+        }
+        let text = std::str::from_utf8(&bytes).map_err(|_| fault("it is not UTF-8".to_owned()))?.trim();
+        if !text.is_empty() && !text.starts_with('#') {
+            skip = line(text).map_err(fault)?;
+        }
+    }
+    Ok(())
+}
+
+/// Takes the next word of a line as a number.
+fn number<T: FromStr>(rest: &mut &str, what: &str) -> Result<T, String> {
+    let (word, after) = rest.split_once(char::is_whitespace).unwrap_or((rest, ""));
+    *rest = after.trim_start();
+    word.parse().map_err(|_| format!("{what} is {word:?}; a number of its kind is needed"))
+}
+
+fn numbers<const N: usize>(rest: &mut &str, what: &str) -> Result<[f64; N], String> {
+    let mut all = [0.0; N];
+    all.iter_mut().try_for_each(|v| number(rest, what).map(|n| *v = n))?;
+    Ok(all)
+}
+
+/// Reads `cameras.txt`.
+pub(super) fn cameras(path: &Path) -> Result<Cameras> {
+    let mut all = Cameras::default();
+    each_line(path, |mut line| {
+        let id = number(&mut line, "the id")?;
+        let (name, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
+        let model = models::by_name(name)?;
+        line = rest.trim_start();
+        let (width, height) = (number(&mut line, "the width")?, number(&mut line, "the height")?);
+        let mut parameters = Vec::new();
+        while !line.is_empty() {
+            parameters.push(number(&mut line, "a parameter")?);
+        }
+        all.add(id, model.camera(width, height, &parameters)?)?;
+        Ok(false)
+    })?;
+    Ok(all)
+}
+
+/// Reads `images.txt`.
+pub(super) fn images(path: &Path, cameras: &Cameras) -> Result<Vec<Frame>> {
+    let mut all = Vec::new();
+    each_line(path, |mut line| {
+        let _: u32 = number(&mut line, "the id")?;
+        let quaternion = numbers(&mut line, "the quaternion")?;
+        let translation = numbers(&mut line, "the translation")?;
+        let camera = number(&mut line, "the camera")?;
+        all.push(Image { name: line.to_owned(), quaternion, translation, camera }.frame(cameras)?);
+        Ok(true)
+    })?;
+    Ok(all)
+}

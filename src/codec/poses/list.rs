@@ -1,0 +1,33 @@
+//! The list of pose formats.
+
+use super::colmap::COLMAP;
+use super::format::PoseFormat;
+
+/// Every pose format that gonio reads.
+pub(crate) const FORMATS: &[&PoseFormat] = &[&COLMAP];
+
+/// The formats by their names.
+pub(crate) const NAMES: [(&str, &PoseFormat); FORMATS.len()] = {
+    let mut names = [("", FORMATS[0]); FORMATS.len()];
+    let mut at = 0;
+    while at < FORMATS.len() {
+        names[at] = (FORMATS[at].name, FORMATS[at]);
+        at += 1;
+    }
+    names
+};
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_plain_and_each_has_one_format() {
+        for format in FORMATS {
+            let plain = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_';
+            assert!(!format.name.is_empty() && format.name.chars().all(plain), "{format:?}");
+            let named: Vec<_> = NAMES.iter().filter(|(name, _)| *name == format.name).collect();
+            assert_eq!(named, [&(format.name, *format)]);
+        }
+    }
+}

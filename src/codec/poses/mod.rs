@@ -1,0 +1,11 @@
+//! Posed photographs of other programs. Each format is a file or folder here, and stands in one list (`list`).
+
+pub(crate) mod colmap;
+mod format;
+mod list;
+mod read;
+
+pub use colmap::COLMAP;
+pub(crate) use format::{PoseFormat, Target};
+pub(crate) use list::NAMES;
+pub use read::read;

@@ -1,0 +1,3 @@
+//! Tables of numbers, as numpy maps them.
+
+pub(crate) mod npy;

@@ -1,0 +1,45 @@
+//! One file being read: its tree, its folder, and the problems found so far.
+
+use std::cell::RefCell;
+use std::path::{Path, PathBuf};
+
+use super::problem::Problem;
+use super::raw::Table;
+
+/// A file being read. Reading collects problems and goes on.
+#[derive(Debug)]
+pub struct Document<'a> {
+    /// The file's tree.
+    pub root: &'a Table,
+    /// The file's folder, to which its paths are relative.
+    pub folder: &'a Path,
+    problems: RefCell<Vec<Problem>>,
+    made: RefCell<Vec<(&'static str, PathBuf)>>,
+}
+
+impl<'a> Document<'a> {
+    /// A document in which these problems were found already.
+    pub fn new(root: &'a Table, folder: &'a Path, problems: Vec<Problem>) -> Self {
+        Document { root, folder, problems: RefCell::new(problems), made: RefCell::default() }
+    }
+
+    /// Adds a problem.
+    pub fn add(&self, problem: Problem) {
+        self.problems.borrow_mut().push(problem);
+    }
+
+    /// Declares a path that the run makes itself: where the key `field` leads to it, nothing need be there yet.
+    pub fn makes(&self, field: &'static str, path: PathBuf) {
+        self.made.borrow_mut().push((field, path));
+    }
+
+    /// Whether the run itself makes the path that the key `field` leads to.
+    pub fn is_made(&self, field: &str, path: &Path) -> bool {
+        self.made.borrow().iter().any(|(key, made)| *key == field && made == path)
+    }
+
+    /// All problems, unsorted.
+    pub fn into_problems(self) -> Vec<Problem> {
+        self.problems.into_inner()
+    }
+}

@@ -1,0 +1,62 @@
+//! Paths: what must stand at the end of one.
+
+use std::borrow::Cow;
+use std::fs;
+use std::io::ErrorKind;
+use std::path::PathBuf;
+
+use super::problem::Problem;
+
+/// What a path must lead to.
+#[derive(Debug, Clone)]
+pub struct Leads {
+    to: To,
+    /// The advice where the path leads to nothing.
+    missing: Cow<'static, str>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum To {
+    File,
+    Folder,
+    FolderOrNothing,
+}
+
+impl Leads {
+    /// To a file; `missing` says what to do where there is none.
+    pub fn to_file(missing: impl Into<Cow<'static, str>>) -> Self {
+        Leads { to: To::File, missing: missing.into() }
+    }
+
+    /// To a folder; `missing` says what to do where there is none.
+    pub fn to_folder(missing: impl Into<Cow<'static, str>>) -> Self {
+        Leads { to: To::Folder, missing: missing.into() }
+    }
+
+    /// To a folder, or to nothing yet; `missing` says what to do where something else is there.
+    pub fn to_folder_or_nothing(missing: impl Into<Cow<'static, str>>) -> Self {
+        Leads { to: To::FolderOrNothing, missing: missing.into() }
+    }
+
+    /// The path, if it leads where it must. Where the run makes it (`made`), nothing need be there yet.
+    pub(super) fn check(&self, path: PathBuf, made: bool) -> Result<PathBuf, Problem> {
+        let wrong = |rule: &str| {
+            let shown = path.display().to_string();
+            Problem::new(rule).got(shown.escape_debug().to_string()).hint(self.missing.clone())
+        };
+        match (fs::metadata(&path), self.to) {
+            (Ok(there), To::File) if there.is_dir() => Err(wrong("must be a file, and is a folder")),
+            (Ok(there), To::Folder | To::FolderOrNothing) if !there.is_dir() => {
+                Err(wrong("must be a folder, and is a file"))
+            }
+            (Ok(_), _) => Ok(path),
+            (Err(why), to) if why.kind() == ErrorKind::NotFound => match to {
+                _ if made => Ok(path),
+                To::FolderOrNothing => Ok(path),
+                To::File => Err(wrong("no such file")),
+                To::Folder => Err(wrong("no such folder")),
+            },
+            (Err(why), _) => Err(wrong(&format!("cannot be read: {why}"))),
+        }
+    }
+}

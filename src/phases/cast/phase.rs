@@ -1,0 +1,149 @@
+//! The phase.
+
+use std::sync::Arc;
+
+use super::causes::causes;
+use super::groups::Group;
+use super::share::{CastNeeds, CastShare};
+use crate::base::convert::Cut;
+use crate::base::{Error, PhaseName, Result};
+use crate::disk::Recipe;
+use crate::disk::{Ledger, Store};
+use crate::flow::Flow;
+use crate::phases::cause::Cause;
+use crate::phases::context::Context;
+use crate::phases::facts::{Facts, USUAL_BINS};
+use crate::phases::known::Known;
+use crate::phases::phase::Phase;
+use crate::phases::report::FrameCounts;
+use crate::phases::takes::{QUEUE, Takes};
+use crate::phases::units::{Extent, Unit, Units};
+use crate::pipeline::Pipeline;
+use crate::stages::cast;
+use crate::stages::frames::Frames;
+use crate::stages::gather::{Gather, GroupFrames, SEGMENT, SEGMENTS, read_tally};
+use crate::trace::Bvh;
+
+/// The phase; a unit is a group of frames.
+pub(crate) struct Cast;
+
+/// The bytes on disk of a segment's record; measured were 9.3 to 10.
+const RECORD_ON_DISK: u64 = 10;
+
+impl Phase for Cast {
+    fn name(&self) -> PhaseName {
+        PhaseName::Cast
+    }
+
+    fn owns(&self) -> Vec<String> {
+        vec![SEGMENTS.to_owned()]
+    }
+
+    /// Groups are frozen before a unit of theirs is named.
+    fn prepare(&self, run: &mut Context<'_>) -> Result<()> {
+        let (pipeline, ledger) = (run.pipeline, Arc::clone(&run.ledger));
+        let surveyed = run.known.surveyed_mut()?;
+        surveyed.groups.freeze(pipeline, &ledger, &surveyed.scene)
+    }
+
+    fn units(&self, known: &Known<'_>, _: &dyn Store, _: &Ledger) -> Result<Units> {
+        let unit = |group: &Group| Unit::new(group.recipe.clone()).weighing(group.frames.len() as u64);
+        let all = known.surveyed()?.groups.all().iter().map(unit).collect();
+        Ok(Units { noun: "frames", all, extent: Extent::Exact })
+    }
+
+    fn causes(&self, now: Option<&Recipe>, before: &[Recipe]) -> Vec<Cause> {
+        causes(now, before)
+    }
+
+    fn takes(&self, pipeline: &Pipeline, facts: &Facts) -> Option<Takes> {
+        let needs = CastNeeds::of(pipeline, facts);
+        let memory = pipeline.run.memory.0.saturating_sub(facts.process);
+        let (stages, staged, workers) = needs.stages(memory);
+        let records = facts.triangles * USUAL_BINS as u64 * facts.groups.min(USUAL_BINS as u64);
+        // Frames of a group that see a triangle from about the same side share its records, which makes them fewer.
+        let seen = facts.trial.map_or(facts.pixels, |trial| u64::cut(facts.pixels as f64 * trial.records_per_pixel));
+        Some(Takes {
+            stages,
+            held_for: "the mesh",
+            staged,
+            needed: needs.least(),
+            mapped: facts.mesh + Bvh::BYTES_PER_TRIANGLE * facts.triangles,
+            disk: records.min(seen) * RECORD_ON_DISK,
+            units: facts.groups,
+            seconds: facts.trial.map(|t| facts.pixels as f64 * t.seconds_per_pixel / workers.max(1) as f64),
+            ..Takes::default()
+        })
+    }
+
+    /// Where segments are there, those to come are taken to be like them.
+    fn unwritten(&self, takes: &Takes, ledger: &Ledger) -> u64 {
+        let done = ledger.of_phase(PhaseName::Cast);
+        let files = done.iter().filter_map(|unit| ledger.files(unit));
+        let bytes: u64 = files.map(|files| files.iter().map(|file| file.bytes).sum::<u64>()).sum();
+        let left = takes.units.saturating_sub(done.len() as u64) as f64;
+        let (bytes, units) = if done.is_empty() { (takes.disk, takes.units) } else { (bytes, done.len() as u64) };
+        u64::cut(bytes as f64 * left / units.max(1) as f64)
+    }
+
+    fn work(&self, run: &mut Context<'_>, to_do: &[Unit]) -> Result<()> {
+        let pipeline = run.pipeline;
+        let groups: Vec<GroupFrames> = {
+            let all = run.known.surveyed()?.groups.all();
+            let find = |unit: &Unit| all.iter().find(|group| group.recipe == unit.recipe);
+            let frames = |group: &Group| GroupFrames { recipe: group.recipe.clone(), frames: group.frames.clone() };
+            to_do.iter().filter_map(find).map(frames).collect()
+        };
+        let (store, ledger, budget) = (Arc::clone(&run.store), Arc::clone(&run.ledger), run.budget.clone());
+        let stop = run.stop.clone();
+        let surveyed = run.known.surveyed()?;
+        let needs = CastNeeds::of(pipeline, &surveyed.facts);
+        let share = needs.share(budget.left()).map_err(|missing| budget.missing("cast", missing))?;
+        let CastShare { workers, piece, .. } = share;
+        let _held = budget.reserve("cast", share.casting + share.compressing)?;
+        let rows = budget.reserve("gather", share.gather)?;
+        let scene = &surveyed.scene;
+        let bvh = scene.bvh();
+        let replay = format!("gonio buffers {} --out frame.exr", pipeline.file.display());
+        let decode = scene.decode(pipeline, &replay);
+        let (tile, downscale) = (pipeline.cast.tile, pipeline.decode.downscale);
+        let cast = cast::Cast { frames: &scene.frames, mesh: &scene.mesh, bvh: &bvh, tile, downscale, piece };
+        let commit = |recipe: &Recipe, files| ledger.commit(recipe, files).map(drop);
+        let gather = Gather::new(&groups, store, rows, &commit);
+        let frames = Frames { groups: &groups, decode: decode.clone(), budget: &budget, memory: budget.left() };
+        let flow = Flow::source(&stop, "frames", frames)
+            .map("decode", decode, workers, QUEUE)
+            .map("cast", cast, workers, QUEUE)
+            .fold("gather", gather, QUEUE);
+        run.progress.watch(flow.meters());
+        flow.run()
+    }
+
+    fn tell(&self, run: &mut Context<'_>, units: &Units, done: &[Unit]) -> Result<()> {
+        let total = units.all.iter().map(|unit| unit.weight).sum();
+        let cast = done.iter().map(|unit| unit.weight).sum();
+        let mut frames = FrameCounts { total, cast, resumed: total - cast, skipped: 0 };
+        let report = &mut run.report;
+        for unit in &units.all {
+            let files = run.ledger.files(&unit.name).unwrap_or_default();
+            let tally = read_tally(&*run.store, &files)?;
+            if done.contains(unit) {
+                report.rays += tally.rays;
+            }
+            report.observations += tally.observations;
+            report.records += tally.records;
+            frames.skipped += tally.skipped.len() as u64;
+            report.segment_bytes += files.iter().filter(|f| f.name.ends_with(SEGMENT)).map(|f| f.bytes).sum::<u64>();
+            report.skipped.extend(tally.skipped);
+        }
+        report.frames = frames;
+        report.skipped.sort();
+        if report.observations == 0 {
+            return Err(Error::invalid(
+                "no pixel of any frame saw the mesh from the front: mesh and poses are most likely in different \
+                 coordinates, or the mesh's faces are turned inside out",
+            ));
+        }
+        Ok(())
+    }
+}

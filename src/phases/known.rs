@@ -1,0 +1,160 @@
+//! What is known before the costly work starts: estimator, scene, what can be read, and how long things take. It is found out
+//! here, in one order, for `run`, `plan` and `explain` alike.
+
+use std::sync::Arc;
+
+use super::cast::{FrameGroups, Readable, pixels};
+use super::facts::{Facts, Trial};
+use super::infer::{TriedEstimator, load_estimator};
+use super::scene::{LoadedScene, Meshes};
+use crate::base::{Error, Result, memory};
+use crate::disk::{Ledger, Store};
+use crate::flow::pool;
+use crate::model::Estimator;
+use crate::pipeline::Pipeline;
+
+/// What a scene is looked at for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Look {
+    /// To run: the scene is there, and a damaged cache is an error that has it made over.
+    Run,
+    /// To say what a run will take: a scene that has yet to be made is foreseen.
+    Plan,
+    /// To say what a run will do over: likewise, and neither memory nor time matters.
+    Explain,
+}
+
+/// What is known of a pipeline.
+pub(crate) struct Known<'a> {
+    /// The pipeline.
+    pub pipeline: &'a Pipeline,
+    /// What turns maps into materials.
+    pub estimator: Box<dyn Estimator>,
+    /// The bytes that the process holds before it reads a scene.
+    pub process: u64,
+    surveyed: Option<Surveyed>,
+}
+
+/// What is known of a scene.
+pub(crate) struct Surveyed {
+    /// The scene.
+    pub scene: LoadedScene,
+    /// The frame groups, each with the recipe that it has now.
+    pub groups: FrameGroups,
+    /// The figures of all that.
+    pub facts: Facts,
+}
+
+impl<'a> Known<'a> {
+    /// Loads the estimator: a model that does not work is found before anything costly starts.
+    ///
+    /// # Errors
+    /// A model or a library that cannot be used.
+    pub(crate) fn new(pipeline: &'a Pipeline) -> Result<Self> {
+        let estimator = load_estimator(pipeline)?;
+        Ok(Known { pipeline, estimator, process: process_bytes(), surveyed: None })
+    }
+
+    /// Looks at the scene: reads mesh and poses, finds which frames can be read under the limit, and tries how long a map and,
+    /// where frames are still to be cast, a pixel take. A limit that cannot work is told by `refuses` before frames are tried.
+    ///
+    /// # Errors
+    /// Inputs that cannot be read, a mesh that does not fit under the limit, what `refuses` answers.
+    pub(crate) fn look(
+        &mut self,
+        look: Look,
+        store: &Arc<dyn Store>,
+        ledger: &Ledger,
+        refuses: &dyn Fn(&Pipeline, &Facts) -> Result<()>,
+    ) -> Result<&Surveyed> {
+        let pipeline = self.pipeline;
+        let meshes = if look == Look::Explain { Meshes::Any } else { Meshes::Within { held: self.process } };
+        let scene = match look {
+            Look::Run => LoadedScene::of_run(pipeline, &**store, ledger, meshes)?,
+            Look::Plan | Look::Explain => LoadedScene::foreseen(pipeline, &**store, ledger, meshes)?,
+        };
+        let readable = Readable::of(pipeline, &scene, self.process);
+        let groups = match look {
+            Look::Run => FrameGroups::of_run(pipeline, store, ledger, &scene, &readable)?,
+            Look::Plan | Look::Explain => FrameGroups::read(pipeline, store, ledger, &scene, Some(&readable))?,
+        };
+        let tried = match look {
+            Look::Explain => TriedEstimator::default(),
+            Look::Run | Look::Plan => TriedEstimator::of(&*self.estimator)?,
+        };
+        let (too_large, too_large_needs) = readable.too_large();
+        let sizes = || scene.frames.iter().map(|frame| pixels(pipeline, frame));
+        let mut facts = Facts {
+            frames: scene.frames.len() as u64,
+            groups: groups.all().len() as u64,
+            pixels: sizes().sum(),
+            largest: sizes().max().unwrap_or(0),
+            frame: readable.largest(),
+            too_large,
+            too_large_needs,
+            triangles: scene.mesh.len() as u64,
+            mesh: scene.bytes(),
+            mapped: scene.is_mapped(),
+            process: self.process,
+            session: tried.session,
+            seconds_per_map: tried.seconds_per_map,
+            trial: None,
+            threads: pool::threads(pipeline.run.threads, pool::available()),
+        };
+        let fits = refuses(pipeline, &facts);
+        let casts = groups.all().iter().any(|group| !ledger.is_done(&group.recipe.unit()));
+        match look {
+            Look::Explain => {}
+            // Where nothing is cast, there is nothing to foretell.
+            Look::Run => {
+                fits?;
+                if casts {
+                    facts.trial = self.try_frames(&scene, &readable)?;
+                }
+            }
+            Look::Plan => {
+                if fits.is_ok() {
+                    facts.trial = self.try_frames(&scene, &readable)?;
+                }
+            }
+        }
+        Ok(self.surveyed.insert(Surveyed { scene, groups, facts }))
+    }
+
+    fn try_frames(&self, scene: &LoadedScene, readable: &Readable) -> Result<Option<Trial>> {
+        Trial::of(self.pipeline, scene, self.process, readable, self.estimator.contract().light.wanted())
+    }
+
+    /// What is known of the scene.
+    ///
+    /// # Errors
+    /// Nobody has looked at it yet.
+    pub(crate) fn surveyed(&self) -> Result<&Surveyed> {
+        self.surveyed.as_ref().ok_or_else(unseen)
+    }
+
+    /// The same, to be changed.
+    ///
+    /// # Errors
+    /// Nobody has looked at it yet.
+    pub(crate) fn surveyed_mut(&mut self) -> Result<&mut Surveyed> {
+        self.surveyed.as_mut().ok_or_else(unseen)
+    }
+}
+
+fn unseen() -> Error {
+    Error::invalid("a phase asked for the scene before the phase that loads it")
+}
+
+/// The bytes that the process holds now, and those that the allocator may keep of small blocks. To be asked once the estimator
+/// is there and before a scene is.
+pub(crate) fn process_bytes() -> u64 {
+    memory::trim();
+    memory::resident().unwrap_or(USUAL) + KEPT
+}
+
+/// The bytes of a process whose system does not say.
+const USUAL: u64 = 48 << 20;
+
+/// The bytes of small blocks that the allocator keeps, of a transfer's curves, and of the stacks of threads beside workers.
+const KEPT: u64 = 24 << 20;

@@ -1,0 +1,76 @@
+//! From the text of a pipeline file to a [`Pipeline`]. All problems are found before any is reported.
+
+use std::path::Path;
+
+use super::pipeline::Pipeline;
+use super::scene::Scene;
+use super::sections::outermost;
+use super::synth::Synth;
+use crate::config::raw::{self, Node, Toml};
+use crate::config::{Document, Keys, Problem, Problems, Section, unknown};
+use crate::stages::{infer, light};
+
+/// Reads a pipeline file, lays the `--set` arguments over it, and checks everything. Paths in the file are relative to its
+/// folder, paths in arguments to the current folder.
+///
+/// # Errors
+/// All problems at once, sorted by position.
+pub fn load(path: &Path, sets: &[String]) -> Result<Pipeline, Problems> {
+    let faulty = |mut list: Vec<Problem>| {
+        list.sort();
+        Problems { file: path.to_owned(), list }
+    };
+    let mut root = raw::read(path).map_err(faulty)?;
+    let refused: Vec<Problem> = sets.iter().filter_map(|set| raw::set(&mut root, set).err()).collect();
+    let document = Document::new(&root, path.parent().unwrap_or(Path::new("")), refused);
+    let pipeline = read(&document, path);
+    let problems = document.into_problems();
+    if problems.is_empty() { Ok(pipeline) } else { Err(faulty(problems)) }
+}
+
+fn read(document: &Document<'_>, file: &Path) -> Pipeline {
+    unknown_sections(document);
+    let synth: Option<Synth> = document.root.contains_key(Synth::NAME).then(|| section(document));
+    for (field, path) in synth.iter().flat_map(Synth::makes) {
+        document.makes(field, path);
+    }
+    let (lit, inferring) = (Keys::of(document, light::Config::OUTLINE), Keys::of(document, infer::Config::OUTLINE));
+    let (light, infer) = (light::Config::read(&lit), infer::Config::read(&inferring));
+    if lit.is_good("mode") {
+        infer.check_light(&light, &inferring);
+    }
+    Pipeline {
+        file: file.to_owned(),
+        synth,
+        scene: section::<Scene>(document),
+        decode: section(document),
+        cast: section(document),
+        gather: section(document),
+        infer,
+        merge: section(document),
+        light,
+        export: section(document),
+        run: section(document),
+    }
+}
+
+fn section<S: Section>(document: &Document<'_>) -> S {
+    S::read(&Keys::of(document, S::OUTLINE))
+}
+
+fn unknown_sections(document: &Document<'_>) {
+    let known: Vec<&str> = outermost().map(|section| section.name).collect();
+    for (name, (position, Node { value, .. })) in document.root {
+        if known.contains(&name.as_str()) {
+            continue;
+        }
+        let (rule, mut hint) = unknown(name, &known);
+        if !matches!(value, Toml::Table(_))
+            && let Some(home) = outermost().find(|section| section.key(name).is_some())
+        {
+            hint = Some(format!("`{name}` is a key of [{}]", home.name));
+        }
+        let problem = Problem { hint, ..Problem::new(format!("no such section; {rule}")) };
+        document.add(problem.at(position.clone(), name));
+    }
+}

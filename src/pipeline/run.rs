@@ -1,0 +1,60 @@
+//! Section `[run]`: where a run writes, and with how much it runs.
+
+use std::path::PathBuf;
+
+use crate::base::units::Bytes;
+use crate::config::{Effect, Key, Keys, Leads, Section, Settings, Value};
+
+/// Section `[run]`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Run {
+    /// The folder that belongs to this run.
+    pub work: PathBuf,
+    /// The memory that a run may hold.
+    pub memory: Bytes,
+    /// Threads for the workers of all stages; 0 for as many as the machine has.
+    pub threads: usize,
+}
+
+/// The most threads that can be asked for.
+const THREADS: usize = 1024;
+
+impl Section for Run {
+    const NAME: &'static str = "run";
+    const ABOUT: &'static str = "Where a run writes, and with how much memory and how many threads it runs.";
+    const KEYS: &'static [Key] = &[
+        Key {
+            name: "work",
+            doc: "The folder of this run: segments, materials.npy, evidence.npy, report.json, export/. One run at a time uses it.",
+            value: Value::Needed("\"work/scene\""),
+        },
+        Key {
+            name: "memory",
+            doc: "The memory that a run may hold, with B, KiB, MiB, GiB or TiB. `gonio plan` says whether it is enough. With \
+                  little memory a run is slower; frames that do not fit at all are skipped until there is more.",
+            value: Value::Default("\"4GiB\""),
+        },
+        Key {
+            name: "threads",
+            doc: "Threads, 0 for as many as the machine has. The result is the same for any number.",
+            value: Value::Default("0"),
+        },
+    ];
+
+    fn read(keys: &Keys<'_>) -> Self {
+        let size = "must be a number and one of B, KiB, MiB, GiB, TiB, as in \"3GiB\"";
+        Run {
+            work: keys.path("work", Leads::to_folder_or_nothing("name a folder for this run")),
+            memory: keys.parsed("memory", |text| text.parse().map_err(|_: String| size.to_owned())),
+            threads: keys.within("threads", 0..=THREADS),
+        }
+    }
+
+    fn settings(&self) -> Settings {
+        let Run { work, memory, threads } = self;
+        Settings::of(Self::NAME)
+            .with("work", work, Effect::Nothing)
+            .with("memory", memory.to_string(), Effect::Nothing)
+            .with("threads", threads, Effect::Nothing)
+    }
+}

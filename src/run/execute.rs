@@ -1,0 +1,212 @@
+//! Runs a pipeline: phase after phase, of each the units that the ledger lacks.
+
+use std::collections::BTreeSet;
+use std::io::Write;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use super::plan::{Plan, WORK};
+use crate::base::units::Bytes;
+use crate::base::{Error, PhaseName, Result, memory};
+use crate::disk::{DirStore, Finding, Findings, Ledger, Lock, Store};
+use crate::flow::{Budget, Reservation, StopSignal};
+use crate::phases::{Context, Extent, Facts, Known, PHASES, Phase, PhaseReport, Progress, Report, StageReport, Unit};
+use crate::pipeline::Pipeline;
+
+/// The report's file in the run's folder.
+pub(super) const REPORT: &str = "report.json";
+
+/// Runs or resumes the pipeline to its end.
+///
+/// # Errors
+/// Whatever breaks the run; `Error::Interrupted` if it was asked to stop.
+pub fn run(pipeline: &Pipeline, stop: &StopSignal, progress: &Progress) -> Result<Report> {
+    let _lock = Lock::acquire(&pipeline.run.work)?;
+    let store: Arc<dyn Store> = Arc::new(DirStore::new(&pipeline.run.work));
+    run_phases(PHASES, store, pipeline, stop, progress)
+}
+
+/// Runs these phases on the store of the run's folder, which is locked: what no unit record names is swept first.
+pub(super) fn run_phases(
+    phases: &[&dyn Phase],
+    store: Arc<dyn Store>,
+    pipeline: &Pipeline,
+    stop: &StopSignal,
+    progress: &Progress,
+) -> Result<Report> {
+    let ledger = Arc::new(opened(phases, &store, progress)?);
+    repaired(phases, &store, &ledger, pipeline, stop, progress)
+}
+
+/// Opens the ledger, tells what was found to be wrong, and sweeps.
+fn opened(phases: &[&dyn Phase], store: &Arc<dyn Store>, progress: &Progress) -> Result<Ledger> {
+    let (ledger, findings) = Ledger::open(Arc::clone(store))?;
+    let Findings { corrupt, lost } = findings;
+    for Finding { unit, why, kept } in corrupt.into_iter().chain(lost) {
+        let kept = kept.map_or_else(String::new, |kept| format!("; the corrupt file is now {kept}"));
+        progress.note(format!("unit {unit} is done over: {why}{kept}"));
+    }
+    let owned: Vec<String> = phases.iter().flat_map(|phase| phase.owns()).collect();
+    ledger.sweep(&owned.iter().map(String::as_str).collect::<Vec<_>>())?;
+    Ok(ledger)
+}
+
+/// Runs the phases. A file that turns out to be corrupt is set aside, and the unit that it belonged to is done over: at once, and
+/// once for each file.
+pub(super) fn repaired(
+    phases: &[&dyn Phase],
+    store: &Arc<dyn Store>,
+    ledger: &Arc<Ledger>,
+    pipeline: &Pipeline,
+    stop: &StopSignal,
+    progress: &Progress,
+) -> Result<Report> {
+    let started = Instant::now();
+    let mut set_aside = BTreeSet::new();
+    loop {
+        let why = match attempt(phases, store, ledger, pipeline, &stop.again(), progress, started) {
+            Ok(report) => return Ok(report),
+            Err(why) => why,
+        };
+        let Some(file) = why.malformed_file().filter(|file| set_aside.insert(file.to_path_buf())) else {
+            return Err(why);
+        };
+        let Some(found) = ledger.set_aside(file)? else { return Err(why) };
+        progress.note(format!("unit {} is done over; its corrupt file is now {}: {why}", found.unit, found.kept));
+    }
+}
+
+/// Goes on from what is done to the end.
+fn attempt(
+    phases: &[&dyn Phase],
+    store: &Arc<dyn Store>,
+    ledger: &Arc<Ledger>,
+    pipeline: &Pipeline,
+    stop: &StopSignal,
+    progress: &Progress,
+    started: Instant,
+) -> Result<Report> {
+    let refuses = |pipeline: &Pipeline, facts: &Facts| Plan::new(phases, pipeline, *facts).fits();
+    // The estimator is loaded before anything costly starts.
+    let known = Known::new(pipeline)?;
+    let report =
+        Report { gonio: env!("CARGO_PKG_VERSION").into(), backend: known.estimator.describe(), ..Report::default() };
+    let context = Context {
+        pipeline,
+        stop: stop.clone(),
+        progress,
+        store: Arc::clone(store),
+        ledger: Arc::clone(ledger),
+        budget: Budget::new(pipeline.run.memory, stop),
+        refuses: &refuses,
+        known,
+        report,
+    };
+    let mut run = Run { phases, context, plan: None, process: None };
+    let done = run.all().and_then(|()| run.write_report(started));
+    done.map_err(|why| run.told_if_full(why))?;
+    Ok(run.context.report)
+}
+
+/// A run under way.
+struct Run<'a> {
+    phases: &'a [&'a dyn Phase],
+    context: Context<'a>,
+    /// What the run will take, once the scene is known.
+    plan: Option<Plan>,
+    /// The memory of the process itself, held as long as the run lasts.
+    process: Option<Reservation>,
+}
+
+impl Run<'_> {
+    fn all(&mut self) -> Result<()> {
+        for phase in self.phases {
+            self.one(*phase)?;
+            if self.plan.is_none()
+                && let Ok(surveyed) = self.context.known.surveyed()
+            {
+                let facts = surveyed.facts;
+                self.plan(facts)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Does a phase: the units that it lacks, shown and timed, and the report of all.
+    fn one(&mut self, phase: &dyn Phase) -> Result<()> {
+        let run = &mut self.context;
+        phase.prepare(run)?;
+        let units = phase.units(&run.known, &*run.store, &run.ledger)?;
+        match units.extent {
+            Extent::Absent => return Ok(()),
+            Extent::Unkept => return self.timed(phase, &[]),
+            Extent::Exact | Extent::AtLeast | Extent::Renewed => {}
+        }
+        let wanted: BTreeSet<_> = units.all.iter().map(|unit| unit.name).collect();
+        let stale = run.ledger.of_phase(phase.name()).into_iter().filter(|unit| !wanted.contains(unit));
+        run.ledger.forget(stale.collect::<Vec<_>>())?;
+        let to_do: Vec<Unit> = units.all.iter().filter(|unit| !run.ledger.is_done(&unit.name)).cloned().collect();
+        if !to_do.is_empty() {
+            self.timed(phase, &to_do)?;
+        }
+        phase.tell(&mut self.context, &units, &to_do)
+    }
+
+    fn timed(&mut self, phase: &dyn Phase, to_do: &[Unit]) -> Result<()> {
+        let run = &mut self.context;
+        if run.stop.draining() {
+            return Err(Error::Interrupted);
+        }
+        let started = Instant::now();
+        run.progress.begin(phase.name());
+        phase.work(run, to_do)?;
+        let stages = run.progress.end().map(|told| told.meters).unwrap_or_default();
+        // What one phase has freed is not held through the next.
+        memory::trim();
+        run.report.phases.push(PhaseReport { name: phase.name(), seconds: started.elapsed().as_secs_f64() });
+        run.report.stages.extend(stages.iter().map(|meter| StageReport::of(phase.name(), meter)));
+        Ok(())
+    }
+
+    /// Plans what is left, now that the scene is known; refuses a limit or a disk that is too small.
+    fn plan(&mut self, facts: Facts) -> Result<()> {
+        let run = &mut self.context;
+        let plan = Plan::new(self.phases, run.pipeline, facts);
+        plan.space(self.phases, &*run.store, &run.ledger).enough(WORK)?;
+        let begun: Vec<PhaseName> = run.report.phases.iter().map(|phase| phase.name).collect();
+        let later = plan.phases.iter().filter(|planned| !begun.contains(&planned.name));
+        let expected = later.map(|p| (p.name, Duration::from_secs_f64(p.takes.seconds.unwrap_or_default())));
+        run.progress.expect(&expected.collect::<Vec<_>>());
+        self.process = Some(run.budget.reserve("process", facts.process)?);
+        self.plan = Some(plan);
+        Ok(())
+    }
+
+    fn write_report(&mut self, started: Instant) -> Result<()> {
+        let run = &mut self.context;
+        run.report.memory_peak = run.budget.peak();
+        run.report.seconds = started.elapsed().as_secs_f64();
+        let mut draft = run.store.create(REPORT)?;
+        serde_json::to_writer_pretty(&mut draft, &run.report)
+            .map_err(std::io::Error::from)
+            .and_then(|()| draft.write_all(b"\n"))
+            .map_err(Error::io("write", run.store.path(REPORT)))?;
+        draft.replace().map(drop)
+    }
+
+    /// The same error, and what to do where the disk is full.
+    fn told_if_full(&self, why: Error) -> Error {
+        if !why.is_disk_full() {
+            return why;
+        }
+        let run = &self.context;
+        let nothing = Plan::default();
+        let space = self.plan.as_ref().unwrap_or(&nothing).space(self.phases, &*run.store, &run.ledger);
+        why.doing(format!(
+            "the disk of {} is full, and about {} is still to be written there: free that much, and the same command goes on \
+             from here",
+            run.pipeline.run.work.display(),
+            Bytes(space.needs)
+        ))
+    }
+}

@@ -1,0 +1,12 @@
+//! How does a run go, and how is it foretold and explained? Every file here is a loop over the list of phases and knows none of
+//! them by name.
+
+mod execute;
+mod explain;
+mod plan;
+#[cfg(test)]
+mod tests;
+
+pub use execute::run;
+pub use explain::{Explanation, PhaseExplanation, explain};
+pub use plan::{Foreseen, Plan, PlannedPhase, plan};
