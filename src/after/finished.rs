@@ -49,10 +49,10 @@ impl Finished {
     }
 }
 
-/// Refuses to write a file where the user said if its folder is not there.
+/// Checks that the folder of an output file exists.
 ///
 /// # Errors
-/// No such folder.
+/// The folder does not exist.
 pub(super) fn writable(out: &Path) -> Result<()> {
     let folder = out.parent().filter(|p| !p.as_os_str().is_empty());
     match folder {

@@ -26,7 +26,7 @@ pub(crate) const SUNS: [(f64, f64); 4] = [(20.0, 60.0), (35.0, 150.0), (55.0, 29
 /// The sky that they stand in where none is known.
 const SKY: f32 = 0.2;
 
-/// How an estimate does.
+/// The errors of an estimate.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Judged {
     /// The estimate's name.

@@ -21,7 +21,7 @@ pub fn anonymous(status: &str) -> Option<u64> {
 /// Sets up the allocator so that freed memory goes back to the system. Call it before there are threads.
 ///
 /// glibc keeps the memory that threads free, in up to eight arenas a processor, and keeps more the larger the freed blocks
-/// were. With these settings, blocks of [`LARGE`] and above are mapped one by one and unmapped when freed, and little is
+/// were. With these settings, blocks of `LARGE` bytes and above are mapped one by one and unmapped when freed, and little is
 /// kept of smaller blocks.
 pub fn return_what_is_freed() {
     #[cfg(all(target_os = "linux", target_env = "gnu"))]

@@ -68,7 +68,7 @@ impl Show {
         }
     }
 
-    /// Tells what is told once.
+    /// Tells the news that is told once: notes, ends of phases, a stop.
     fn tell(&mut self, progress: &Progress, stop: &StopSignal) {
         let mut events: Vec<(String, Value)> = Vec::new();
         for note in progress.take_notes() {

@@ -8,7 +8,7 @@ use crate::scene::Material;
 use crate::scene::light::LocalLight;
 use crate::scene::reflectance::SparseMap;
 
-/// Turns reflectance maps into materials. All workers share an estimator; each makes its own [`Session`].
+/// Turns reflectance maps into materials. All workers share an estimator; each makes its own `Session`.
 pub trait Estimator: Send + Sync {
     /// The contract that the estimator keeps.
     fn contract(&self) -> &Contract;

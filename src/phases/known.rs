@@ -16,11 +16,11 @@ use crate::pipeline::Pipeline;
 /// What a scene is looked at for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Look {
-    /// To run: the scene is there, and a damaged cache is an error that has it made over.
+    /// To run it: the scene must be there, and a damaged cache is an error, after which the cache is made over.
     Run,
-    /// To say what a run will take: a scene that has yet to be made is foreseen.
+    /// To say what a run will take: a scene that is still to be made is estimated.
     Plan,
-    /// To say what a run will do over: likewise, and neither memory nor time matters.
+    /// To say what a run will do over: a scene that is still to be made is estimated, and memory and time do not matter.
     Explain,
 }
 
@@ -41,7 +41,7 @@ pub(crate) struct Surveyed {
     pub scene: LoadedScene,
     /// The frame groups, each with the recipe that it has now.
     pub groups: FrameGroups,
-    /// The figures of all that.
+    /// The figures of the scene and of this machine.
     pub facts: Facts,
 }
 
@@ -133,7 +133,7 @@ impl<'a> Known<'a> {
         self.surveyed.as_ref().ok_or_else(unseen)
     }
 
-    /// The same, to be changed.
+    /// What is known of the scene, to be changed.
     ///
     /// # Errors
     /// Nobody has looked at it yet.

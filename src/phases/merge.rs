@@ -96,7 +96,7 @@ impl Phase for Merge {
 /// word.
 ///
 /// # Errors
-/// What is done cannot be read.
+/// A file in the run's folder cannot be read.
 pub(super) fn tables_recipe(known: &Known<'_>, store: &dyn Store, ledger: &Ledger) -> Result<(Recipe, bool)> {
     let shards = super::infer::Infer.units(known, store, ledger)?;
     let start = KeyBuilder::new("gonio shards 1");

@@ -33,7 +33,7 @@ pub(crate) trait Phase: Sync {
     /// The units that the phase consists of, given what is known and what is done.
     ///
     /// # Errors
-    /// What is done cannot be read.
+    /// A file in the run's folder cannot be read.
     fn units(&self, known: &Known<'_>, store: &dyn Store, ledger: &Ledger) -> Result<Units>;
 
     /// Why a unit is done over, or for the first time: how its recipe differs from those that were done in its place. Without

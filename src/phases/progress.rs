@@ -36,9 +36,9 @@ pub struct PhaseProgress {
 /// Where a phase stands.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum State {
-    /// Not begun.
+    /// The phase has not begun.
     Waiting,
-    /// Begun at this moment.
+    /// The phase began at this moment.
     Running(Instant),
     /// Ended; it took this long.
     Done(Duration),

@@ -29,11 +29,11 @@ impl Unit {
 /// How much is known of a phase's units.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(crate) enum Extent {
-    /// These are the units.
+    /// The units are these.
     Exact,
-    /// These units and maybe more: what comes before is not done yet.
+    /// The units are these and maybe more: the phases before are not done yet.
     AtLeast,
-    /// As many units as these, but of other recipes: what they are made of is done over.
+    /// There are as many units as these, with other recipes: what they are made of is done over.
     Renewed,
     /// The phase keeps no units: it does its work in every run.
     #[default]
@@ -49,7 +49,7 @@ pub(crate) struct Units {
     pub noun: &'static str,
     /// The units.
     pub all: Vec<Unit>,
-    /// How much is known of them.
+    /// How much is known of the units.
     pub extent: Extent,
 }
 

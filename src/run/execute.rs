@@ -114,7 +114,7 @@ struct Run<'a> {
     context: Context<'a>,
     /// What the run will take, once the scene is known.
     plan: Option<Plan>,
-    /// The memory of the process itself, held as long as the run lasts.
+    /// The reservation of the memory that the process itself holds, kept as long as the run lasts.
     process: Option<Reservation>,
 }
 

@@ -108,7 +108,7 @@ const INTO: &str = "[synth] into";
 /// A plan, and the space for it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Foreseen {
-    /// Memory and time.
+    /// The plan: memory and time of each phase.
     pub plan: Plan,
     /// The space for the run's folder and, where they share a disk, for the city that it is made on.
     pub space: Space,

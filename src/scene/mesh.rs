@@ -7,7 +7,7 @@ use crate::base::Array;
 use crate::base::ids::TriangleId;
 
 /// A triangle mesh. Every index is in range and every coordinate finite: whatever makes a mesh checks that. Vertices and
-/// triangles become one in [`survey`](super::survey).
+/// triangles become one in `survey`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mesh {
     /// What was subtracted from the file's coordinates, in f64: the centre of the bounding box.

@@ -16,7 +16,7 @@ pub(crate) struct Sources {
     observed: Bits,
     /// The observed triangles and those filled from neighbours.
     known: Bits,
-    /// Whether anything was observed.
+    /// Whether any triangle was observed.
     any: bool,
 }
 

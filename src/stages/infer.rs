@@ -17,7 +17,7 @@ use crate::shard::{Row, ShardMaps, ShardRows, TriangleMap};
 /// Section `[infer]`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Config {
-    /// What turns a map into a material.
+    /// The method that turns a map into a material.
     pub estimator: Method,
     /// The network.
     pub model: Model,
@@ -32,7 +32,7 @@ pub struct Config {
     pub min_bins: usize,
 }
 
-/// What turns a map into a material.
+/// A method that turns a map into a material.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Method {
     /// The network.

@@ -1,6 +1,6 @@
 //! The recipes of frame groups. A recipe is made of contents: bytes of files, settings that change a unit's bytes, the version
-//! of its format. Never a time or a path. So a file that is touched does nothing over, and a file that changes does what was made
-//! of it.
+//! of its format; never of a time or a path. So a file with a new date alone changes no recipe, and a file with new contents
+//! changes the recipes of what was made of it.
 
 use std::path::Path;
 use std::sync::Arc;

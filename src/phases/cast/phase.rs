@@ -1,4 +1,4 @@
-//! The phase.
+//! The cast phase: a unit is a frame group.
 
 use std::sync::Arc;
 

@@ -44,7 +44,7 @@ const WINDOW: u32 = 96;
 /// Triangles of a trial whose light is found.
 const LIT: usize = 256;
 
-/// No further frame is tried after this.
+/// The time after which no further frame is tried.
 const LONGEST: Duration = Duration::from_millis(1000);
 
 /// What is added up, on each side of a division.

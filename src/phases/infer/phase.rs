@@ -1,4 +1,4 @@
-//! The phase.
+//! The infer phase: a unit is a shard.
 
 use std::sync::Arc;
 
@@ -40,7 +40,7 @@ fn shard(recipe: &Recipe) -> Result<Shard> {
 /// The shards of the scene whose rows are there, in order.
 ///
 /// # Errors
-/// What is done cannot be read.
+/// A file in the run's folder cannot be read.
 pub(in crate::phases) fn shards_done(known: &Known<'_>, store: &dyn Store, ledger: &Ledger) -> Result<Vec<RowsFile>> {
     let mut shards = Vec::new();
     for recipe in recipes_of(known, store, ledger)? {

@@ -25,7 +25,7 @@ pub(crate) fn read_f32(path: &Path) -> Result<(Vec<usize>, Vec<f32>)> {
 /// Reads an array of the shape `[n, columns]`: `n` rows, one after the other.
 ///
 /// # Errors
-/// Those of [`read_f32`]; any other shape.
+/// Those of `read_f32`; any other shape.
 pub fn read_rows<const COLUMNS: usize>(path: &Path) -> Result<Vec<[f32; COLUMNS]>> {
     rows(read_f32(path)?, path)
 }
