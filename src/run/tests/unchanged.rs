@@ -48,7 +48,7 @@ fn other(key: &str, dir: &Path) -> Vec<String> {
         "cast.tile" => vec!["cast.tile=8".to_owned()],
         "gather.group" => vec!["gather.group=3".to_owned()],
         "infer.batch" => vec!["infer.batch=7".to_owned()],
-        "run.memory" => vec!["run.memory=200MiB".to_owned()],
+        "run.memory" => vec!["run.memory=1GiB".to_owned()],
         "run.threads" => vec!["run.threads=3".to_owned()],
         key => panic!("{key} is said never to change a result: change it here"),
     }
