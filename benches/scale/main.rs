@@ -210,7 +210,9 @@ fn size(folder: &Path) -> io::Result<u64> {
 }
 
 fn same(one: &Path, other: &Path) -> io::Result<bool> {
-    let hash = |path: &Path| -> io::Result<_> { Ok(blake3::Hasher::new().update_mmap(path)?.finalize()) };
+    let hash = |path: &Path| -> io::Result<_> {
+        Ok(blake3::Hasher::new().update_reader(std::fs::File::open(path)?)?.finalize())
+    };
     Ok(hash(one)? == hash(other)?)
 }
 

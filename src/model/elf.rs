@@ -8,13 +8,15 @@ use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom};
 use std::path::Path;
 
+use crate::base::file;
+
 /// Checks that a library's file is complete. Files of other systems' formats pass.
 pub(super) fn complete(path: &Path) -> Result<(), String> {
     let metadata = path.metadata().map_err(|e| e.to_string())?;
     if !metadata.is_file() {
         return Err("it is no file".into());
     }
-    let mut file = File::open(path).map_err(|e| e.to_string())?;
+    let mut file = file::open(path).map_err(|e| e.to_string())?;
     match segments_end(&mut file) {
         Ok(Some(end)) if end > metadata.len() => {
             Err(format!("it is cut short: {} bytes of at least {end}; copy or install it again", metadata.len()))

@@ -1,12 +1,11 @@
 //! The source of a model's bytes: the binary itself, or one file. Weights in other files are not read.
 
 use std::borrow::Cow;
-use std::fs::File;
 use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
 
 use crate::base::units::Bytes;
-use crate::base::{Error, Result};
+use crate::base::{Error, Result, file};
 
 /// A model that is part of the binary.
 #[derive(Debug, PartialEq, Eq)]
@@ -53,7 +52,7 @@ impl ModelSource {
             ModelSource::BuiltIn(model) => return Ok(Cow::Borrowed(model.bytes)),
             ModelSource::File(path) => path,
         };
-        let file = File::open(path).map_err(|e| match e.kind() {
+        let file = file::open(path).map_err(|e| match e.kind() {
             ErrorKind::NotFound => {
                 let names: Vec<&str> = BUILT_IN.iter().map(|m| m.name).collect();
                 Error::malformed(path, format!("no such model file; the built-in models are: {}", names.join(", ")))

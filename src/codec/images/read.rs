@@ -15,7 +15,7 @@ use super::transfer::Curve;
 use super::{exr, jpeg};
 use crate::base::convert::to_usize;
 use crate::base::units::Bytes;
-use crate::base::{Error, Result};
+use crate::base::{Error, Result, file};
 use crate::scene::frame::{LinearImage, Samples};
 
 /// The largest picture whose size is not known beforehand: a JPEG has no longer sides.
@@ -132,7 +132,7 @@ enum Content {
 impl<'a> Opened<'a> {
     fn new(path: &'a Path, expected: Option<Size>, becomes: Becomes) -> Result<Self> {
         let most = expected.unwrap_or(MOST);
-        let file = File::open(path).map_err(Error::io("open", path))?;
+        let file = file::open(path).map_err(Error::io("open", path))?;
         let length = file.metadata().map_err(Error::io("open", path))?.len();
         let mut file = BufReader::new(file);
         let start = file.fill_buf().map_err(Error::io("read", path))?;

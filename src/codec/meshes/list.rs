@@ -1,6 +1,5 @@
 //! The list of mesh formats, and the choice among them by what a file holds rather than by its name.
 
-use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
@@ -8,7 +7,7 @@ use super::format::MeshFormat;
 use super::obj::OBJ;
 use super::ply::PLY;
 use super::two_passes;
-use crate::base::{Error, Result};
+use crate::base::{Error, Result, file};
 use crate::scene::Mesh;
 
 /// Every mesh format that gonio reads.
@@ -28,7 +27,7 @@ pub fn read(path: &Path, may: &dyn Fn(u64) -> Result<()>) -> Result<Mesh> {
 
 fn read_one_of(formats: &[&MeshFormat], path: &Path, may: &dyn Fn(u64) -> Result<()>) -> Result<Mesh> {
     let mut start = Vec::new();
-    let file = File::open(path).map_err(Error::io("open", path))?;
+    let file = file::open(path).map_err(Error::io("open", path))?;
     file.take(START).read_to_end(&mut start).map_err(Error::io("read", path))?;
     let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
     let named = |format: &MeshFormat| format.endings.iter().any(|known| ending == *known);

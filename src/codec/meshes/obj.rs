@@ -12,7 +12,7 @@ use std::path::Path;
 use glam::DVec3;
 
 use super::format::MeshFormat;
-use crate::base::{Error, Result};
+use crate::base::{Error, Result, file};
 use crate::scene::survey::Polygons;
 
 /// Wavefront OBJ. Any text may begin such a file: its name decides.
@@ -22,7 +22,7 @@ pub(crate) const OBJ: MeshFormat = MeshFormat { name: "OBJ", endings: &["obj"], 
 const LONGEST: u64 = 1 << 20;
 
 fn tell(path: &Path, to: &mut dyn Polygons) -> Result<()> {
-    let file = File::open(path).map_err(Error::io("open", path))?;
+    let file = file::open(path).map_err(Error::io("open", path))?;
     let mut told = Told { to, vertices: 0, faces: 0 };
     let mut lines = Lines { reader: BufReader::with_capacity(1 << 18, file), number: 0 };
     let mut statement = Vec::new();

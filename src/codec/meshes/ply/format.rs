@@ -1,12 +1,11 @@
 //! The format PLY: read by its header, as text or as bytes.
 
-use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 
 use super::header::{Encoding, Header};
 use super::{ascii, binary};
-use crate::base::{Error, Result};
+use crate::base::{Error, Result, file};
 use crate::codec::meshes::format::MeshFormat;
 use crate::scene::survey::Polygons;
 
@@ -19,7 +18,7 @@ pub(crate) const PLY: MeshFormat = MeshFormat {
 };
 
 fn tell(path: &Path, to: &mut dyn Polygons) -> Result<()> {
-    let file = File::open(path).map_err(Error::io("open", path))?;
+    let file = file::open(path).map_err(Error::io("open", path))?;
     let length = file.metadata().map_err(Error::io("read", path))?.len();
     let mut reader = BufReader::with_capacity(1 << 18, file);
     let header = Header::read(&mut reader, length, path)?;

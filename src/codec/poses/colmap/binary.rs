@@ -12,7 +12,7 @@ use std::path::Path;
 
 use super::models;
 use super::posed::{Cameras, Image};
-use crate::base::{Error, Result};
+use crate::base::{Error, Result, file};
 use crate::scene::frame::Frame;
 
 /// The bytes of a 2D point.
@@ -28,7 +28,7 @@ struct Bytes {
 
 impl Bytes {
     fn open(path: &Path) -> Result<Bytes> {
-        let file = File::open(path).map_err(Error::io("open", path))?;
+        let file = file::open(path).map_err(Error::io("open", path))?;
         let left = file.metadata().map_err(Error::io("read", path))?.len();
         Ok(Bytes { file: BufReader::new(file), left })
     }

@@ -5,14 +5,13 @@
 //! images    two lines each: id qw qx qy qz tx ty tz camera name; then the 2D points, or nothing
 //! ```
 
-use std::fs::File;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::str::FromStr;
 
 use super::models;
 use super::posed::{Cameras, Image};
-use crate::base::{Error, Result};
+use crate::base::{Error, Result, file};
 use crate::scene::frame::Frame;
 
 /// The most bytes of a line: a million 2D points.
@@ -20,7 +19,7 @@ const LONGEST_LINE: u64 = 64 << 20;
 
 /// Gives each line that says something to `line`, which answers whether to skip the line after it.
 fn each_line(path: &Path, mut line: impl FnMut(&str) -> Result<bool, String>) -> Result<()> {
-    let mut file = BufReader::new(File::open(path).map_err(Error::io("open", path))?);
+    let mut file = BufReader::new(file::open(path).map_err(Error::io("open", path))?);
     let (mut bytes, mut skip) = (Vec::new(), false);
     for number in 1.. {
         bytes.clear();

@@ -1,13 +1,12 @@
 //! Reads arrays.
 
-use std::fs::File;
 use std::io::{BufReader, Read};
 use std::path::Path;
 
 use super::header::{self, Fault, Header};
 use crate::base::array::SharedBytes;
 use crate::base::convert::{to_f32, to_usize};
-use crate::base::{Array, Error, Result};
+use crate::base::{Array, Error, Result, file};
 
 /// Values that are converted at a time.
 const CHUNK: usize = 1 << 14;
@@ -17,7 +16,7 @@ const CHUNK: usize = 1 << 14;
 /// # Errors
 /// A file that cannot be read, or that is no array of `<f4` or `<f8` to its last byte.
 pub(crate) fn read_f32(path: &Path) -> Result<(Vec<usize>, Vec<f32>)> {
-    let file = File::open(path).map_err(Error::io("open", path))?;
+    let file = file::open(path).map_err(Error::io("open", path))?;
     let length = file.metadata().map_err(Error::io("read", path))?.len();
     parse(BufReader::new(file), length).map_err(|fault| fault.of(path))
 }
