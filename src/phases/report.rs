@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Serialize, Serializer};
 
 use crate::base::PhaseName;
 use crate::flow::{Meter, Skipped};
@@ -40,7 +40,13 @@ pub struct Report {
     /// What was skipped, sorted.
     pub skipped: Vec<Skipped>,
     /// What was written for others.
+    #[serde(serialize_with = "as_shown")]
     pub outputs: Vec<PathBuf>,
+}
+
+/// Writes paths as messages show them: JSON is UTF-8, and a path need not be.
+fn as_shown<S: Serializer>(paths: &[PathBuf], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq(paths.iter().map(|path| path.to_string_lossy()))
 }
 
 /// Counts of photographs.
