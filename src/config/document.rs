@@ -15,12 +15,13 @@ pub struct Document<'a> {
     pub folder: &'a Path,
     problems: RefCell<Vec<Problem>>,
     made: RefCell<Vec<(&'static str, PathBuf)>>,
+    work: RefCell<Option<PathBuf>>,
 }
 
 impl<'a> Document<'a> {
     /// A document in which these problems were found already.
     pub fn new(root: &'a Table, folder: &'a Path, problems: Vec<Problem>) -> Self {
-        Document { root, folder, problems: RefCell::new(problems), made: RefCell::default() }
+        Document { root, folder, problems: RefCell::new(problems), made: RefCell::default(), work: RefCell::default() }
     }
 
     /// Adds a problem.
@@ -38,8 +39,28 @@ impl<'a> Document<'a> {
         self.made.borrow().iter().any(|(key, made)| *key == field && made == path)
     }
 
+    /// Declares the folder that the run writes to: no input may lie in it.
+    pub fn works_in(&self, folder: &Path) {
+        *self.work.borrow_mut() = Some(real(folder));
+    }
+
+    /// Whether a path lies in the folder that the run writes to.
+    pub fn is_in_work(&self, path: &Path) -> bool {
+        self.work.borrow().as_ref().is_some_and(|work| real(path).starts_with(work))
+    }
+
     /// All problems, unsorted.
     pub fn into_problems(self) -> Vec<Problem> {
         self.problems.into_inner()
     }
+}
+
+/// A path without links, `.` and `..`, as far as it leads somewhere.
+fn real(path: &Path) -> PathBuf {
+    let whole = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
+    let found = whole.ancestors().find_map(|above| Some((above, above.canonicalize().ok()?)));
+    found.map_or_else(
+        || whole.clone(),
+        |(above, real)| whole.strip_prefix(above).map_or_else(|_| real.clone(), |rest| real.join(rest)),
+    )
 }

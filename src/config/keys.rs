@@ -130,6 +130,10 @@ impl<'a> Keys<'a> {
         self.read(key, |node| {
             let path = self.resolve(node)?;
             let made = self.is_made(key, &path);
+            if self.document.is_in_work(&path) {
+                let rule = "must not lie in the folder of [run] work, where a run removes what it needs no more";
+                return Err(Problem::new(rule).got(path.display().to_string().escape_debug().to_string()));
+            }
             leads.check(path, made)
         })
     }

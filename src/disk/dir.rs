@@ -23,7 +23,7 @@ pub struct DirStore {
 impl DirStore {
     /// The store in this folder, as a new attempt; clones share the attempt. The folder is made with the first file.
     pub fn new(root: impl Into<PathBuf>) -> Self {
-        DirStore { root: root.into(), attempt: format!("{:016x}", RandomState::new().hash_one(0)).into() }
+        DirStore { root: root.into(), attempt: fresh_id().into() }
     }
 
     /// The folder.
@@ -166,7 +166,7 @@ impl Sink for AtomicFile {
 }
 
 /// Makes a folder and those above it, durably.
-fn make_folders(folder: &Path) -> Result<()> {
+pub(super) fn make_folders(folder: &Path) -> Result<()> {
     if folder.is_dir() || folder == Path::new("") {
         return Ok(());
     }
@@ -179,4 +179,9 @@ fn make_folders(folder: &Path) -> Result<()> {
         Err(_) if folder.is_dir() => Ok(()),
         Err(why) => Err(Error::io("create folder", folder)(why)),
     }
+}
+
+/// An id that nobody else has: 16 hexadecimal digits from the system's random numbers.
+pub(super) fn fresh_id() -> String {
+    format!("{:016x}", RandomState::new().hash_one(0))
 }

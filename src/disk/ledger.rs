@@ -20,9 +20,6 @@ use super::unit::{Recipe, UnitName};
 use super::unit_record::{Missing, UNITS, UnitRecord, Unsound, check_files, file_of, missing, unit_of};
 use crate::base::{Error, PhaseName, Result};
 
-/// The file in which an older gonio kept its units.
-const OLDER: &str = "manifest.json";
-
 /// How often a commit meets a record that cannot be believed and moves it out of the way.
 const TRIES: usize = 3;
 
@@ -73,7 +70,7 @@ impl Ledger {
     /// Reads the ledger of a run that may be under way, and changes nothing.
     ///
     /// # Errors
-    /// The run is of an older gonio, or a unit record is of another version; the store fails.
+    /// A unit record is of another version; the store fails.
     pub fn read(store: Arc<dyn Store>) -> Result<(Ledger, Findings)> {
         let (done, unsound) = look(&*store)?;
         let mut findings = Findings::default();
@@ -326,13 +323,6 @@ fn left(unit: &UnitName, record: &UnitRecord) -> Left {
 
 /// Reads all unit records: the units that are done, and those that only have a record.
 fn look(store: &dyn Store) -> Result<(Done, BTreeMap<UnitName, Unsound>)> {
-    if store.size(OLDER)?.is_some() {
-        return Err(Error::invalid(format!(
-            "{} is of an older gonio, which kept its units there: finish the run with that gonio, or give this one another \
-             `[run] work`",
-            store.path(OLDER).display()
-        )));
-    }
     let units: Vec<UnitName> = store.list(UNITS)?.iter().filter_map(|name| unit_of(name)).collect();
     let read = |unit: UnitName| match read_record(store, &unit) {
         Ok(found) => found.map(|found| Ok((unit, found.map(|record| left(&unit, &record))))),

@@ -1,10 +1,11 @@
 //! One run per folder. The system locks an open file, so the lock ends when its process ends, however that happens; the
 //! process id in the file is for people. The file stays: if it were removed, two runs could lock two files.
 
-use std::fs::{self, File, OpenOptions, TryLockError};
+use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{Read, Seek, Write};
 use std::path::Path;
 
+use super::mark;
 use crate::base::{Error, Result};
 
 /// The name of the lock's file in the run's folder.
@@ -18,13 +19,13 @@ pub struct Lock {
 }
 
 impl Lock {
-    /// Locks a folder, and makes it if it is not there.
+    /// Locks a folder. A folder that is not there is made; a folder that is empty becomes a run's.
     ///
     /// # Errors
-    /// Another process has the lock: `Error::Invalid` names that process.
+    /// `Error::Invalid`: another process has the lock, and is named, or the folder holds files of others, and some are named.
     pub fn acquire(folder: impl AsRef<Path>) -> Result<Lock> {
         let folder = folder.as_ref();
-        fs::create_dir_all(folder).map_err(Error::io("create folder", folder))?;
+        mark::take(folder)?;
         let path = folder.join(LOCK);
         let file = OpenOptions::new()
             .read(true)

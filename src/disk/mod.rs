@@ -9,8 +9,9 @@
 //! - **The first one wins.** Of two files that want one name, one gets it, in one step of the filesystem, and the other
 //!   is told so. Hence several processes may work on one run.
 //! - **The record comes last.** Files first, then the unit record that names them. What a run owns and no record names
-//!   is the rubbish of a broken run; the holder of [`Lock`] sweeps it. Nothing else is ever removed: a run may live in a
-//!   folder with other files.
+//!   is the rubbish of a broken run; the holder of [`Lock`] sweeps it. Nothing else is ever removed.
+//! - **A folder that is not ours is never changed.** A run takes a folder that is empty or not there, and its first file is
+//!   the mark ([`mark`]). A folder that holds files and no mark is refused.
 //! - **Scratch is never committed.** [`Scratch`] has a temporary name and goes when it is dropped.
 //! - **Nothing is trusted.** A file's size is checked when a run is opened, its bytes when it is read: sealed files by
 //!   their footer, others by their unit record's checksum. Names cannot leave the store.
@@ -24,6 +25,7 @@ pub(crate) mod faulty;
 pub(crate) mod frozen;
 pub(crate) mod ledger;
 pub(crate) mod lock;
+pub(crate) mod mark;
 pub(crate) mod mem;
 pub(crate) mod names;
 pub(crate) mod scratch;

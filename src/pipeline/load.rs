@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::pipeline::Pipeline;
+use super::run::Run;
 use super::scene::Scene;
 use super::sections::outermost;
 use super::synth::Synth;
@@ -30,6 +31,11 @@ pub fn load(path: &Path, sets: &[String]) -> Result<Pipeline, Problems> {
 
 fn read(document: &Document<'_>, file: &Path) -> Pipeline {
     unknown_sections(document);
+    let run: Run = section(document);
+    // The folder comes first: the paths that are read after it must lie elsewhere.
+    if !run.work.as_os_str().is_empty() {
+        document.works_in(&run.work);
+    }
     let synth: Option<Synth> = document.root.contains_key(Synth::NAME).then(|| section(document));
     for (field, path) in synth.iter().flat_map(Synth::makes) {
         document.makes(field, path);
@@ -50,7 +56,7 @@ fn read(document: &Document<'_>, file: &Path) -> Pipeline {
         merge: section(document),
         light,
         export: section(document),
-        run: section(document),
+        run,
     }
 }
 

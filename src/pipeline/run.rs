@@ -3,7 +3,8 @@
 use std::path::PathBuf;
 
 use crate::base::units::Bytes;
-use crate::config::{Effect, Key, Keys, Leads, Section, Settings, Value};
+use crate::config::{Effect, Key, Keys, Leads, Problem, Section, Settings, Value};
+use crate::disk::mark;
 
 /// Section `[run]`.
 #[derive(Debug, Clone, PartialEq)]
@@ -43,8 +44,14 @@ impl Section for Run {
 
     fn read(keys: &Keys<'_>) -> Self {
         let size = "must be a number and one of B, KiB, MiB, GiB, TiB, as in \"3GiB\"";
+        let work = keys.path("work", Leads::to_folder_or_nothing("name a folder for this run"));
+        // A folder that cannot be read is told by the run itself.
+        if let Ok(Some(why)) = mark::foreign(&work) {
+            let hint = "nothing is changed there; name a new or empty folder, as work = \"work/NAME\"";
+            keys.check("work", false, Problem::new(why).got(work.display().to_string()).hint(hint));
+        }
         Run {
-            work: keys.path("work", Leads::to_folder_or_nothing("name a folder for this run")),
+            work,
             memory: keys.parsed("memory", |text| text.parse().map_err(|_: String| size.to_owned())),
             threads: keys.within("threads", 0..=THREADS),
         }

@@ -35,18 +35,18 @@ fn mask_second_shard(dir: &Path, frame: &str) {
 fn only_what_changed_is_inferred_again() {
     let dir = city();
     fs::create_dir(dir.path().join("masks")).unwrap();
-    let first = run(&dir, "work", "scene.masks=masks");
+    let first = run(&dir, "whole", "scene.masks=masks");
     first.says("2 (2 inferred, 0 from before)");
-    run(&dir, "work", "scene.masks=masks").says("10 (0 cast, 10 from before").says("2 (0 inferred, 2 from before)");
+    run(&dir, "whole", "scene.masks=masks").says("10 (0 cast, 10 from before").says("2 (0 inferred, 2 from before)");
     // One frame changes what it sees of one shard: its group is cast, and that shard inferred.
     mask_second_shard(dir.path(), "frame_003");
-    let changed = run(&dir, "work", "scene.masks=masks");
+    let changed = run(&dir, "whole", "scene.masks=masks");
     changed.says("10 (2 cast, 8 from before").says("2 (1 inferred, 1 from before)");
     run(&dir, "fresh", "scene.masks=masks").says("2 (2 inferred");
-    assert!(outputs(&dir.path().join("work")) == outputs(&dir.path().join("fresh")));
+    assert!(outputs(&dir.path().join("whole")) == outputs(&dir.path().join("fresh")));
     // Filling is done with the tables alone; how many bins are enough decides what is inferred.
-    let filled = run(&dir, "work", "scene.masks=masks merge.fill=false");
+    let filled = run(&dir, "whole", "scene.masks=masks merge.fill=false");
     filled.says("10 (0 cast, 10 from before").says("2 (0 inferred, 2 from before)");
-    let fewer = run(&dir, "work", "scene.masks=masks infer.min_bins=2");
+    let fewer = run(&dir, "whole", "scene.masks=masks infer.min_bins=2");
     fewer.says("10 (0 cast, 10 from before").says("2 (2 inferred, 0 from before)");
 }

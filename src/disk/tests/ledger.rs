@@ -212,19 +212,6 @@ fn another_version_is_refused_and_nothing_changes() {
 }
 
 #[test]
-fn a_run_of_an_older_gonio_is_refused_and_nothing_changes() {
-    on_each_store(|store| {
-        put(&*store, "manifest.json", br#"{"version": 2}"#);
-        put(&*store, "segments/a.seg", b"a");
-        for refused in [Ledger::open, Ledger::read] {
-            let why = refused(Arc::clone(&store)).unwrap_err().to_string();
-            assert!(why.contains("manifest.json is of an older gonio, which kept its units there: finish"), "{why}");
-        }
-        assert_eq!(store.list("").unwrap(), ["manifest.json", "segments/a.seg"]);
-    });
-}
-
-#[test]
 fn a_unit_is_committed_only_with_its_files() {
     on_each_store(|store| {
         let ledger = two_units(&store);

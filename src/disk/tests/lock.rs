@@ -20,6 +20,7 @@ fn a_second_run_is_refused_by_name() {
 #[test]
 fn what_a_lock_file_says_is_not_what_locks() {
     let folder = tempfile::tempdir().unwrap();
+    drop(Lock::acquire(folder.path()).unwrap());
     for said in ["1\n", "", "not a number", "99999999999999999999999999999999", "\0\0\0"] {
         fs::write(folder.path().join("lock"), said).unwrap();
         let held = Lock::acquire(folder.path()).unwrap();

@@ -10,6 +10,7 @@ mod faults;
 mod frozen;
 mod ledger;
 mod lock;
+mod mark;
 mod race;
 mod sealed;
 mod store;

@@ -45,7 +45,7 @@ const OTHERS: [(&str, &str); 37] = [
     ("light.color", "[1, 1, 0.5]"),
     ("light.sky", "[0.1, 0.1, 0.1]"),
     ("export.formats", "[\"glb\"]"),
-    ("run.work", "other"),
+    ("run.work", "elsewhere"),
     ("run.memory", "3GiB"),
     ("run.threads", "3"),
 ];

@@ -7,6 +7,7 @@ use rand_pcg::Pcg64Mcg;
 use tempfile::TempDir;
 
 use super::{DEMO, TEMPLATE, load_text, scene};
+use crate::disk::Lock;
 use crate::pipeline::load;
 use crate::synth::city::CityConfig;
 
@@ -33,6 +34,25 @@ fn arguments_overlay_the_file() {
     assert_eq!(p.cast.tile, 64);
     let text = problems(TEMPLATE, &sets);
     insta::assert_snapshot!(text, @r#"--set scene.poses.path: no such folder; got nowhere; name the folder that holds cameras.bin and images.bin, or both as .txt: --set scene.poses.path=PATH"#);
+}
+
+#[test]
+fn a_work_folder_of_others_and_inputs_within_one_are_refused() {
+    let dir = scene();
+    let of_others = load_text(&dir, TEMPLATE.replace("work/scene", "sparse").as_bytes(), &[]).unwrap_err();
+    assert!(of_others.contains("run.work: holds 0, which no run of gonio made there"), "{of_others}");
+    // In a run's own folder the run removes what it needs no more, so nobody's input may lie there.
+    drop(Lock::acquire(dir.path().join("work/scene")).unwrap());
+    load_text(&dir, TEMPLATE.as_bytes(), &[]).unwrap();
+    for within in ["work/scene/segments", "work/./scene/segments", "work/../work/scene/segments", "link/scene/segments"]
+    {
+        std::fs::create_dir_all(dir.path().join("work/scene/segments")).unwrap();
+        #[cfg(unix)]
+        std::os::unix::fs::symlink(dir.path().join("work"), dir.path().join("link")).unwrap_or_default();
+        let text = TEMPLATE.replace("\"images\"", &format!("\"{within}\""));
+        let said = load_text(&dir, text.as_bytes(), &[]).unwrap_err();
+        assert!(said.contains("scene.images: must not lie in the folder of [run] work"), "{said}");
+    }
 }
 
 #[test]
