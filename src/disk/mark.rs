@@ -38,16 +38,10 @@ enum Owner {
 /// # Errors
 /// The folder cannot be read.
 pub(crate) fn foreign(folder: &Path) -> Result<Option<String>> {
-    let Owner::Other(names) = owner(folder)? else { return Ok(None) };
-    if names.iter().any(|name| name == OLDER) {
-        return Ok(Some(format!("holds {OLDER} of an older gonio, which kept its units there")));
-    }
-    if names.iter().any(|name| name == MARK) {
-        return Ok(Some(format!("holds a {MARK} that is no mark of gonio's, or that changed since it was written")));
-    }
-    let more = if names.len() > SHOWN { format!(" and {} more", names.len() - SHOWN) } else { String::new() };
-    let shown: Vec<String> = names.iter().take(SHOWN).map(|name| name.escape_debug().to_string()).collect();
-    Ok(Some(format!("holds {}{more}, which no run of gonio made there", shown.join(", "))))
+    Ok(match owner(folder)? {
+        Owner::Other(names) => Some(described(&names)),
+        Owner::Nobody | Owner::Run => None,
+    })
 }
 
 /// Makes a folder a run's, unless it is one already.
@@ -55,20 +49,35 @@ pub(crate) fn foreign(folder: &Path) -> Result<Option<String>> {
 /// # Errors
 /// The folder holds files of others.
 pub(super) fn take(folder: &Path) -> Result<()> {
-    if let Some(why) = foreign(folder)? {
-        return Err(Error::invalid(format!(
-            "{} {why}: it is left alone; give this run a new or empty folder, as `[run] work = \"work/NAME\"`",
-            folder.display()
-        )));
-    }
-    if owner(folder)? == Owner::Run {
-        return Ok(());
+    match owner(folder)? {
+        Owner::Run => return Ok(()),
+        Owner::Nobody => {}
+        Owner::Other(names) => {
+            return Err(Error::invalid(format!(
+                "{} {}: it is left alone; give this run a new or empty folder, as `[run] work = \"work/NAME\"`",
+                folder.display(),
+                described(&names)
+            )));
+        }
     }
     make_folders(folder)?;
     let mut mark = AtomicFile::create(&folder.join(MARK))?;
     writeln!(mark, "{WORDS}{}", fresh_id()).map_err(Error::io("write", folder.join(MARK)))?;
     // Where another process was faster, the folder has that one's mark.
     mark.commit(Naming::FirstWins).map(drop)
+}
+
+/// The files of others in words.
+fn described(names: &[String]) -> String {
+    if names.iter().any(|name| name == OLDER) {
+        return format!("holds {OLDER} of an older gonio, which kept its units there");
+    }
+    if names.iter().any(|name| name == MARK) {
+        return format!("holds a {MARK} that is no mark of gonio's, or that changed since it was written");
+    }
+    let more = if names.len() > SHOWN { format!(" and {} more", names.len() - SHOWN) } else { String::new() };
+    let shown: Vec<String> = names.iter().take(SHOWN).map(|name| name.escape_debug().to_string()).collect();
+    format!("holds {}{more}, which no run of gonio made there", shown.join(", "))
 }
 
 fn owner(folder: &Path) -> Result<Owner> {
@@ -81,13 +90,14 @@ fn owner(folder: &Path) -> Result<Owner> {
     for entry in entries {
         let entry = entry.map_err(Error::io("list", folder))?;
         let name = entry.file_name().to_string_lossy().into_owned();
-        if name == MARK && is_mark(&entry.path()) {
-            return Ok(Owner::Run);
-        }
         // A process that was killed while it made the mark left this.
         if !(name.starts_with(MARK) && name.ends_with(TEMPORARY)) {
             others.push(name);
         }
+    }
+    // Asked after the listing: another process may have made the mark meanwhile, and its other files come after it.
+    if is_mark(&folder.join(MARK)) {
+        return Ok(Owner::Run);
     }
     others.sort();
     Ok(if others.is_empty() { Owner::Nobody } else { Owner::Other(others) })
