@@ -36,20 +36,20 @@ impl DirStore {
         Ok(self.root.join(name))
     }
 
+    /// What has this name, a link itself.
+    fn found(&self, name: &str) -> Result<Option<fs::Metadata>> {
+        let path = self.locate(name)?;
+        match fs::symlink_metadata(&path) {
+            Ok(found) => Ok(Some(found)),
+            Err(why) if matches!(why.kind(), io::ErrorKind::NotFound | io::ErrorKind::NotADirectory) => Ok(None),
+            Err(why) => Err(Error::io("look at", &path)(why)),
+        }
+    }
+
     /// Calls `found` with the name of every file in a folder and below.
     fn walk(&self, folder: &str, found: &mut dyn FnMut(String)) -> Result<()> {
-        let path = self.root.join(folder);
-        let entries = match fs::read_dir(&path) {
-            Ok(entries) => entries,
-            Err(why) if why.kind() == io::ErrorKind::NotFound => return Ok(()),
-            Err(why) => return Err(Error::io("list", &path)(why)),
-        };
-        for entry in entries {
-            let entry = entry.map_err(Error::io("list", &path))?;
-            // gonio gives no file a name that is not UTF-8.
-            let Ok(name) = entry.file_name().into_string() else { continue };
+        for (name, kind) in entries(&self.root.join(folder))? {
             let name = if folder.is_empty() { name } else { format!("{folder}/{name}") };
-            let kind = entry.file_type().map_err(Error::io("list", entry.path()))?;
             if kind.is_dir() {
                 self.walk(&name, found)?;
             } else if kind.is_file() {
@@ -89,13 +89,29 @@ impl Store for DirStore {
         fs::read(&path).map_err(Error::io("read", &path))
     }
 
-    fn size(&self, name: &str) -> Result<Option<u64>> {
+    fn reader(&self, name: &str) -> Result<Box<dyn io::Read>> {
         let path = self.locate(name)?;
-        match fs::metadata(&path) {
-            Ok(found) => Ok(found.is_file().then_some(found.len())),
-            Err(why) if matches!(why.kind(), io::ErrorKind::NotFound | io::ErrorKind::NotADirectory) => Ok(None),
-            Err(why) => Err(Error::io("look at", &path)(why)),
+        Ok(Box::new(File::open(&path).map_err(Error::io("open", &path))?))
+    }
+
+    fn size(&self, name: &str) -> Result<Option<u64>> {
+        Ok(self.found(name)?.filter(fs::Metadata::is_file).map(|found| found.len()))
+    }
+
+    fn is_obstructed(&self, name: &str) -> Result<bool> {
+        Ok(self.found(name)?.is_some_and(|found| !found.is_file()))
+    }
+
+    fn obstacles(&self, folder: &str) -> Result<Vec<String>> {
+        let path = if folder.is_empty() { self.root.clone() } else { self.locate(folder)? };
+        let mut names = Vec::new();
+        for (name, kind) in entries(&path)? {
+            if !kind.is_file() {
+                names.push(if folder.is_empty() { name } else { format!("{folder}/{name}") });
+            }
         }
+        names.sort();
+        Ok(names)
     }
 
     fn list(&self, folder: &str) -> Result<Vec<String>> {
@@ -163,6 +179,23 @@ impl Sink for AtomicFile {
     fn commit(self: Box<Self>, naming: Naming) -> Result<Committed> {
         AtomicFile::commit(*self, naming)
     }
+}
+
+/// The names in a folder, which may not be there, and what each stands for.
+fn entries(path: &Path) -> Result<Vec<(String, fs::FileType)>> {
+    let entries = match fs::read_dir(path) {
+        Ok(entries) => entries,
+        Err(why) if why.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
+        Err(why) => return Err(Error::io("list", path)(why)),
+    };
+    let mut found = Vec::new();
+    for entry in entries {
+        let entry = entry.map_err(Error::io("list", path))?;
+        // gonio gives no file a name that is not UTF-8.
+        let Ok(name) = entry.file_name().into_string() else { continue };
+        found.push((name, entry.file_type().map_err(Error::io("list", entry.path()))?));
+    }
+    Ok(found)
 }
 
 /// Makes a folder and those above it, durably.
