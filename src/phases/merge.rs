@@ -70,13 +70,7 @@ impl Phase for Merge {
         Ok(())
     }
 
-    fn tell(&self, run: &mut Context<'_>, units: &Units, done: &[Unit]) -> Result<()> {
-        for unit in units.all.iter().filter(|unit| !done.contains(unit)) {
-            // Tables carry no checksum of their own, and all that follows maps them.
-            for file in run.ledger.files(&unit.name).unwrap_or_default().iter() {
-                file.verify(&*run.store)?;
-            }
-        }
+    fn tell(&self, run: &mut Context<'_>, _: &Units, _: &[Unit]) -> Result<()> {
         let scene = &run.known.surveyed()?.scene;
         let (total, degenerate) = (scene.mesh.len() as u64, scene.degenerate());
         let counts = Materials::open(&*run.store)?.counts();
