@@ -186,10 +186,7 @@ impl<'a> Opened<'a> {
         match content {
             Content::Jpeg(file, header) => {
                 let bytes = read_all(path, file, length)?;
-                if !jpeg::is_whole(&bytes) {
-                    return Err(Error::malformed(path, "the JPEG is cut short: its end is missing"));
-                }
-                jpeg::decode(&bytes, &header).map_err(|why| Error::malformed(path, why))
+                jpeg::decode(bytes, &header).map_err(|why| Error::malformed(path, why))
             }
             Content::Exr(mut file, header) => {
                 file.rewind().map_err(Error::io("read", path))?;
