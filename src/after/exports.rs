@@ -15,8 +15,9 @@ use crate::pipeline::Pipeline;
 /// No finished materials; anything that cannot be read or written.
 pub(crate) fn export(pipeline: &Pipeline) -> Result<Vec<PathBuf>> {
     let finished = Finished::open(pipeline)?;
-    let _lock = Lock::acquire(&pipeline.run.work)?;
-    let store: Arc<dyn Store> = Arc::new(DirStore::new(&pipeline.run.work));
+    let store = DirStore::new(&pipeline.run.work);
+    let _lock = Lock::acquire(&store)?;
+    let store: Arc<dyn Store> = Arc::new(store);
     let (ledger, _) = Ledger::open(Arc::clone(&store))?;
     export_tables(pipeline, &*store, &ledger, &finished.scene.mesh, &finished.tables)
 }

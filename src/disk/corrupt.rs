@@ -5,24 +5,38 @@ use std::io::ErrorKind;
 use super::store::Store;
 use crate::base::{Error, Result};
 
-/// The folder of corrupt files. Of several with one name the last is kept.
+/// The folder of corrupt files. All are kept: the second of a name ends in `.2`, and so on.
 pub(super) const CORRUPT: &str = "corrupt";
 
 /// Moves a corrupt file, which may be gone by now, and gives its new name.
 pub(super) fn set_aside(store: &dyn Store, file: &str) -> Result<String> {
-    let kept = kept_as(file.rsplit('/').next().unwrap_or(file));
-    set_aside_as(store, file, &kept)?;
-    Ok(kept)
+    set_aside_as(store, file, file.rsplit('/').next().unwrap_or(file))
 }
 
-/// The name under which a corrupt file is kept.
+/// Moves a corrupt file, which may be gone by now, to this name among the corrupt files, and gives its new name.
+pub(super) fn set_aside_as(store: &dyn Store, file: &str, name: &str) -> Result<String> {
+    let mut kept = kept_as(name);
+    for number in 2.. {
+        if store.size(&kept)?.is_none() {
+            break;
+        }
+        kept = kept_as(&format!("{name}.{number}"));
+    }
+    match store.rename(file, &kept) {
+        Ok(()) => Ok(kept),
+        // Another process has moved it.
+        Err(why) => unless_gone(why).map(|()| kept_as(name)),
+    }
+}
+
+/// The name under which the first corrupt file of a name is kept.
 pub(super) fn kept_as(name: &str) -> String {
     format!("{CORRUPT}/{name}")
 }
 
-/// Moves a corrupt file, which may be gone by now, to this name.
-pub(super) fn set_aside_as(store: &dyn Store, file: &str, kept: &str) -> Result<()> {
-    store.rename(file, kept).or_else(unless_gone)
+/// Whether a file is a corrupt one that is kept.
+pub(super) fn is_kept(file: &str) -> bool {
+    file.split('/').next() == Some(CORRUPT)
 }
 
 /// Removes a file, which may be gone by now: another process may have found the same fault.

@@ -18,7 +18,7 @@ use crate::disk::Recipe;
 use crate::disk::{Ledger, Store};
 use crate::pipeline::Pipeline;
 use crate::scene::Mesh;
-use crate::stages::export::{EXPORTERS, Exporter, Surface};
+use crate::stages::export::{Exporter, Surface};
 use crate::stages::merge::Materials;
 
 /// The phase; a unit is a format.
@@ -39,10 +39,6 @@ fn recipe(pipeline: &Pipeline, exporter: &Exporter, tables: &Recipe) -> Recipe {
 impl Phase for Export {
     fn name(&self) -> PhaseName {
         PhaseName::Export
-    }
-
-    fn owns(&self) -> Vec<String> {
-        EXPORTERS.iter().flat_map(|exporter| exporter.files).map(|&file| file.to_owned()).collect()
     }
 
     fn units(&self, known: &Known<'_>, store: &dyn Store, ledger: &Ledger) -> Result<Units> {

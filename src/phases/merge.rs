@@ -18,7 +18,7 @@ use crate::disk::{Ledger, Store};
 use crate::pipeline::Pipeline;
 use crate::scene::Material;
 use crate::scene::evidence::Filled;
-use crate::stages::merge::{self, EVIDENCE, MATERIALS, Materials};
+use crate::stages::merge::{self, Materials};
 
 /// The phase; its one unit is both tables.
 pub(super) struct Merge;
@@ -29,10 +29,6 @@ const SCRATCH: u64 = (Material::LEN * size_of::<f32>()) as u64;
 impl Phase for Merge {
     fn name(&self) -> PhaseName {
         PhaseName::Merge
-    }
-
-    fn owns(&self) -> Vec<String> {
-        [MATERIALS, EVIDENCE].map(str::to_owned).to_vec()
     }
 
     fn units(&self, known: &Known<'_>, store: &dyn Store, ledger: &Ledger) -> Result<Units> {

@@ -16,11 +16,6 @@ pub(crate) trait Phase: Sync {
     /// The phase's name.
     fn name(&self) -> PhaseName;
 
-    /// The names of the folders (with a `/` at the end) and files in the run's store that only this phase writes.
-    fn owns(&self) -> Vec<String> {
-        Vec::new()
-    }
-
     /// Settles what must be settled before the phase's units are known. Only a run does.
     ///
     /// # Errors

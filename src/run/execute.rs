@@ -21,9 +21,9 @@ pub(super) const REPORT: &str = "report.json";
 /// # Errors
 /// Whatever breaks the run; `Error::Interrupted` if it was asked to stop.
 pub fn run(pipeline: &Pipeline, stop: &StopSignal, progress: &Progress) -> Result<Report> {
-    let _lock = Lock::acquire(&pipeline.run.work)?;
-    let store: Arc<dyn Store> = Arc::new(DirStore::new(&pipeline.run.work));
-    run_phases(PHASES, store, pipeline, stop, progress)
+    let store = DirStore::new(&pipeline.run.work);
+    let _lock = Lock::acquire(&store)?;
+    run_phases(PHASES, Arc::new(store), pipeline, stop, progress)
 }
 
 /// Runs these phases on the store of the run's folder, which is locked: what no unit record names is swept first.
@@ -34,20 +34,19 @@ pub(super) fn run_phases(
     stop: &StopSignal,
     progress: &Progress,
 ) -> Result<Report> {
-    let ledger = Arc::new(opened(phases, &store, progress)?);
+    let ledger = Arc::new(opened(&store, progress)?);
     repaired(phases, &store, &ledger, pipeline, stop, progress)
 }
 
 /// Opens the ledger, tells what was found to be wrong, and sweeps.
-fn opened(phases: &[&dyn Phase], store: &Arc<dyn Store>, progress: &Progress) -> Result<Ledger> {
+fn opened(store: &Arc<dyn Store>, progress: &Progress) -> Result<Ledger> {
     let (ledger, findings) = Ledger::open(Arc::clone(store))?;
     let Findings { corrupt, lost } = findings;
     for Finding { unit, why, kept } in corrupt.into_iter().chain(lost) {
         let kept = kept.map_or_else(String::new, |kept| format!("; the corrupt file is now {kept}"));
         progress.note(format!("unit {unit} is done over: {why}{kept}"));
     }
-    let owned: Vec<String> = phases.iter().flat_map(|phase| phase.owns()).collect();
-    ledger.sweep(&owned.iter().map(String::as_str).collect::<Vec<_>>())?;
+    ledger.sweep()?;
     Ok(ledger)
 }
 

@@ -21,7 +21,7 @@ use crate::phases::units::{Extent, Unit, Units};
 use crate::pipeline::Pipeline;
 use crate::stages::cast;
 use crate::stages::frames::Frames;
-use crate::stages::gather::{Gather, GroupFrames, SEGMENT, SEGMENTS, read_tally};
+use crate::stages::gather::{Gather, GroupFrames, SEGMENT, read_tally};
 use crate::trace::Bvh;
 
 /// The phase; a unit is a group of frames.
@@ -33,10 +33,6 @@ const RECORD_ON_DISK: u64 = 10;
 impl Phase for Cast {
     fn name(&self) -> PhaseName {
         PhaseName::Cast
-    }
-
-    fn owns(&self) -> Vec<String> {
-        vec![SEGMENTS.to_owned()]
     }
 
     /// Groups are frozen before a unit of theirs is named.

@@ -7,7 +7,7 @@ use rand_pcg::Pcg64Mcg;
 use tempfile::TempDir;
 
 use super::{DEMO, TEMPLATE, load_text, scene};
-use crate::disk::Lock;
+use crate::disk::{DirStore, Lock};
 use crate::pipeline::load;
 use crate::synth::city::CityConfig;
 
@@ -42,7 +42,7 @@ fn a_work_folder_of_others_and_inputs_within_one_are_refused() {
     let of_others = load_text(&dir, TEMPLATE.replace("work/scene", "sparse").as_bytes(), &[]).unwrap_err();
     assert!(of_others.contains("run.work: holds 0, which no run of gonio made there"), "{of_others}");
     // In a run's own folder the run removes what it needs no more, so nobody's input may lie there.
-    drop(Lock::acquire(dir.path().join("work/scene")).unwrap());
+    drop(Lock::acquire(&DirStore::new(dir.path().join("work/scene"))).unwrap());
     load_text(&dir, TEMPLATE.as_bytes(), &[]).unwrap();
     for within in ["work/scene/segments", "work/./scene/segments", "work/../work/scene/segments", "link/scene/segments"]
     {

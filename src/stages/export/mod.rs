@@ -7,5 +7,4 @@ mod ply;
 mod section;
 
 pub(crate) use exporter::{Exporter, Surface};
-pub(crate) use list::EXPORTERS;
 pub(crate) use section::Config;
