@@ -1,6 +1,5 @@
 //! A store that is a folder. It is opened once and held open; below it no link is followed.
 
-use std::hash::{BuildHasher, RandomState};
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
@@ -8,7 +7,7 @@ use std::sync::{Arc, OnceLock};
 use super::atomic::AtomicFile;
 use super::folder::{Folder, Kind};
 use super::mark;
-use super::names::{Committed, Naming, SCRATCH, TEMPORARY, check_name};
+use super::names::{Committed, Naming, SCRATCH, TEMPORARY, UNMARKED, check_name, fresh_id};
 use super::scratch::Spool;
 use super::space;
 use super::store::{Content, Sink, Store};
@@ -25,9 +24,6 @@ struct Inner {
     folder: OnceLock<Arc<Folder>>,
     attempt: OnceLock<String>,
 }
-
-/// The id of a run whose folder has no mark.
-pub(super) const UNMARKED: &str = "none";
 
 impl DirStore {
     /// The store in this folder, as a new attempt; clones share the attempt. The folder is made with the first file.
@@ -257,9 +253,4 @@ fn make_folders(path: &Path) -> Result<()> {
         Err(_) if path.is_dir() => Ok(()),
         Err(why) => Err(Error::io("create folder", path)(why)),
     }
-}
-
-/// An id that nobody else has: 16 hexadecimal digits from the system's random numbers.
-pub(super) fn fresh_id() -> String {
-    format!("{:016x}", RandomState::new().hash_one(0))
 }

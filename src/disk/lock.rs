@@ -27,7 +27,8 @@ impl Lock {
     /// # Errors
     /// `Error::Invalid`: another process has the lock, and is named, or the folder holds files of others, and some are named.
     pub fn acquire(store: &DirStore) -> Result<Lock> {
-        let folder = mark::take(store)?;
+        let folder = store.made_folder()?;
+        mark::take(&folder, store.root())?;
         let path = store.root().join(LOCK);
         let file = folder.open_or_create(LOCK).map_err(Error::io("open", &path))?;
         let mut said = String::new();

@@ -6,9 +6,8 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::atomic::AtomicFile;
-use super::dir::{DirStore, fresh_id};
 use super::folder::Folder;
-use super::names::{Naming, TEMPORARY};
+use super::names::{Naming, TEMPORARY, fresh_id};
 use crate::base::{Error, Result};
 
 /// The name of the mark's file.
@@ -42,6 +41,10 @@ enum Owner {
 /// # Errors
 /// The folder cannot be read.
 pub(crate) fn foreign(folder: &Path) -> Result<Option<String>> {
+    if folder == Path::new("") {
+        // No folder was named, which is told elsewhere.
+        return Ok(None);
+    }
     let owner = match Folder::open(folder) {
         Ok(opened) => owner(&opened).map_err(Error::io("list", folder))?,
         Err(why) if why.kind() == ErrorKind::NotFound => Owner::Nobody,
@@ -53,15 +56,13 @@ pub(crate) fn foreign(folder: &Path) -> Result<Option<String>> {
     })
 }
 
-/// Makes a store's folder a run's, unless it is one already.
+/// Makes a folder, which is at `path`, a run's, unless it is one already.
 ///
 /// # Errors
 /// The folder holds files of others.
-pub(super) fn take(store: &DirStore) -> Result<Arc<Folder>> {
-    let folder = store.made_folder()?;
-    let path = store.root();
-    match owner(&folder).map_err(Error::io("list", path))? {
-        Owner::Run => return Ok(folder),
+pub(super) fn take(folder: &Arc<Folder>, path: &Path) -> Result<()> {
+    match owner(folder).map_err(Error::io("list", path))? {
+        Owner::Run => return Ok(()),
         Owner::Nobody => {}
         Owner::Other(names) => {
             return Err(Error::invalid(format!(
@@ -71,11 +72,10 @@ pub(super) fn take(store: &DirStore) -> Result<Arc<Folder>> {
             )));
         }
     }
-    let mut mark = AtomicFile::create(Arc::clone(&folder), &path.join(MARK), "")?;
+    let mut mark = AtomicFile::create(Arc::clone(folder), &path.join(MARK), "")?;
     writeln!(mark, "{WORDS}{}", fresh_id()).map_err(Error::io("write", path.join(MARK)))?;
     // Where another process was faster, the folder has that one's mark.
-    mark.commit(Naming::FirstWins)?;
-    Ok(folder)
+    mark.commit(Naming::FirstWins).map(drop)
 }
 
 /// The id of the run whose folder this is; `None` if it is no run's.

@@ -5,8 +5,7 @@ use std::io::{self, Write};
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use super::dir::UNMARKED;
-use super::names::{Committed, Naming, SCRATCH, check_name};
+use super::names::{Committed, Naming, SCRATCH, UNMARKED, check_name};
 use super::scratch::{Spool, Working};
 use super::store::{Content, Sink, Store};
 use crate::base::{Error, Result};

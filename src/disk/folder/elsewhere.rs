@@ -4,7 +4,7 @@ use std::fs::{self, File, OpenOptions};
 use std::io;
 use std::path::{Path, PathBuf};
 
-use super::{Kind, regular, strange};
+use super::kind::{Kind, regular, strange};
 
 /// A folder by its path.
 #[derive(Debug)]

@@ -8,7 +8,7 @@ use std::path::Path;
 use rustix::fs::{AtFlags, FileType, Mode, OFlags, Stat};
 use rustix::io::Errno;
 
-use super::{Kind, regular, strange};
+use super::kind::{Kind, regular, strange};
 
 /// A folder that is held open.
 #[derive(Debug)]
