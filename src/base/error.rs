@@ -87,6 +87,11 @@ impl Error {
         if let Error::Malformed { path, .. } = self.cause() { Some(path) } else { None }
     }
 
+    /// What the system said, if it is the system that refused.
+    pub(crate) fn system_error(&self) -> Option<std::io::ErrorKind> {
+        if let Error::Io { source, .. } = self.cause() { Some(source.kind()) } else { None }
+    }
+
     /// Whether the error is a full disk.
     pub fn is_disk_full(&self) -> bool {
         let full = [std::io::ErrorKind::StorageFull, std::io::ErrorKind::QuotaExceeded];

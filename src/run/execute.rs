@@ -145,10 +145,16 @@ impl Run<'_> {
         let stale = run.ledger.of_phase(phase.name()).into_iter().filter(|unit| !wanted.contains(unit));
         run.ledger.forget(stale.collect::<Vec<_>>())?;
         let to_do: Vec<Unit> = units.all.iter().filter(|unit| !run.ledger.is_done(&unit.name)).cloned().collect();
-        if !to_do.is_empty() {
-            self.timed(phase, &to_do)?;
+        if to_do.is_empty() {
+            return phase.tell(run, &units, &[]);
         }
-        phase.tell(&mut self.context, &units, &to_do)
+        self.timed(phase, &to_do)?;
+        // What was read may be other than what was there before, and then so is the unit.
+        let run = &mut self.context;
+        let units = phase.units(&run.known, &*run.store, &run.ledger)?;
+        let is_done = |unit: &&Unit| to_do.iter().any(|begun| begun.recipe.what() == unit.recipe.what());
+        let done: Vec<Unit> = units.all.iter().filter(is_done).cloned().collect();
+        phase.tell(run, &units, &done)
     }
 
     fn timed(&mut self, phase: &dyn Phase, to_do: &[Unit]) -> Result<()> {

@@ -1,14 +1,15 @@
 //! The cast phase: a unit is a frame group.
 
-use std::sync::Arc;
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use super::causes::causes;
 use super::groups::Group;
 use super::share::{CastNeeds, CastShare};
 use crate::base::convert::Cut;
+use crate::base::ids::FrameId;
 use crate::base::{Error, PhaseName, Result};
-use crate::disk::Recipe;
-use crate::disk::{Ledger, Store};
+use crate::disk::{FileEntry, Ledger, Recipe, Store};
 use crate::flow::Flow;
 use crate::phases::cause::Cause;
 use crate::phases::context::Context;
@@ -20,6 +21,7 @@ use crate::phases::takes::{QUEUE, Takes};
 use crate::phases::units::{Extent, Unit, Units};
 use crate::pipeline::Pipeline;
 use crate::stages::cast;
+use crate::stages::decode::Contents;
 use crate::stages::frames::Frames;
 use crate::stages::gather::{Gather, GroupFrames, SEGMENT, read_tally};
 use crate::trace::Bvh;
@@ -104,7 +106,14 @@ impl Phase for Cast {
         let decode = scene.decode(pipeline, &replay);
         let (tile, downscale) = (pipeline.cast.tile, pipeline.decode.downscale);
         let cast = cast::Cast { frames: &scene.frames, mesh: &scene.mesh, bvh: &bvh, tile, downscale, piece };
-        let commit = |recipe: &Recipe, files| ledger.commit(recipe, files).map(drop);
+        // What a unit is made of is what was read of its files.
+        let read = Mutex::new(BTreeMap::new());
+        let commit = |group: &GroupFrames, contents: &[(FrameId, Contents)], files: Vec<FileEntry>| {
+            let recipe = Group::read(&group.recipe, &scene.frames, contents);
+            ledger.commit(&recipe, files)?;
+            read.lock().unwrap_or_else(PoisonError::into_inner).insert(group.recipe.unit(), recipe);
+            Ok(())
+        };
         let gather = Gather::new(&groups, store, rows, &commit);
         let frames = Frames { groups: &groups, decode: decode.clone(), budget: &budget, memory: budget.left() };
         let flow = Flow::source(&stop, "frames", frames)
@@ -112,7 +121,10 @@ impl Phase for Cast {
             .map("cast", cast, workers, QUEUE)
             .fold("gather", gather, QUEUE);
         run.progress.watch(flow.meters());
-        flow.run()
+        flow.run()?;
+        let read = read.into_inner().unwrap_or_else(PoisonError::into_inner);
+        run.known.surveyed_mut()?.groups.settle(&read);
+        Ok(())
     }
 
     fn tell(&self, run: &mut Context<'_>, units: &Units, done: &[Unit]) -> Result<()> {

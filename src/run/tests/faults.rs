@@ -132,7 +132,7 @@ fn flipped(bytes: &[u8]) -> Vec<u8> {
     bytes
 }
 
-fn copy_of(store: &MemStore) -> MemStore {
+pub(super) fn copy_of(store: &MemStore) -> MemStore {
     let copy = MemStore::new();
     store.list("").unwrap().iter().for_each(|name| put(&copy, name, &store.open(name).unwrap()));
     copy

@@ -2,6 +2,8 @@
 //! nobody foresaw, and the keys that change nothing.
 
 mod faults;
+#[cfg(unix)]
+mod inputs;
 mod mock;
 mod race;
 mod unchanged;
