@@ -81,7 +81,7 @@ pub use config::{Position, Problem, Problems};
 pub use flow::StopSignal;
 pub use phases::{
     Cause, FrameChange, FrameCounts, FrameInput, PhaseProgress, PhaseReport, Progress, Report, ShardCounts,
-    StageReport, State, TriangleCounts, time_left,
+    StageReport, State, TriangleCounts, UnitCount, time_left,
 };
 pub use pipeline::{Pipeline, load, template};
 pub use run::{Explanation, Foreseen, PhaseExplanation, Plan, PlannedPhase, explain, plan, run};

@@ -49,7 +49,7 @@ fn count(PhaseExplanation { total, again, .. }: &PhaseExplanation) -> String {
 }
 
 /// A cause in words.
-fn words(cause: &Cause) -> String {
+pub(super) fn words(cause: &Cause) -> String {
     match cause {
         Cause::New => "not done yet".to_owned(),
         Cause::FrameNew { frame } => format!("{frame} is new"),

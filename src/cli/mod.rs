@@ -21,6 +21,7 @@ mod render;
 mod report;
 mod run;
 mod synth;
+mod verify;
 
 pub use ending::Ending;
 pub use entry::main;

@@ -104,6 +104,7 @@ mod tests {
             ],
             stages: vec![stage("decode", 2, 30.0, 1.0, 100.0), stage("cast", 2, 140.0, 5.0, 1.0)],
             skipped: (0..22).map(item).collect(),
+            units: vec![],
             outputs: vec!["work/export/scene.glb".into()],
         };
         let text = table(&report);

@@ -1,4 +1,5 @@
-//! Corrupt files are moved to the folder `corrupt/`, where people may look at them.
+//! Corrupt files are moved to the folder `corrupt/`, where people may look at them. So is an obstacle, a folder, link or
+//! device where a file ought to be: nothing in it is looked at or removed.
 
 use std::io::ErrorKind;
 
@@ -8,16 +9,19 @@ use crate::base::{Error, Result};
 /// The folder of corrupt files. All are kept: the second of a name ends in `.2`, and so on.
 pub(super) const CORRUPT: &str = "corrupt";
 
-/// Moves a corrupt file, which may be gone by now, and gives its new name.
+/// What is wrong with an obstacle, in words.
+pub(super) const OBSTACLE: &str = "is no file, but a folder, a link or a device";
+
+/// Moves a corrupt file or an obstacle, which may be gone by now, and gives its new name.
 pub(super) fn set_aside(store: &dyn Store, file: &str) -> Result<String> {
     set_aside_as(store, file, file.rsplit('/').next().unwrap_or(file))
 }
 
-/// Moves a corrupt file, which may be gone by now, to this name among the corrupt files, and gives its new name.
+/// Moves a corrupt file or an obstacle, which may be gone by now, to this name among the corrupt files, and gives its new name.
 pub(super) fn set_aside_as(store: &dyn Store, file: &str, name: &str) -> Result<String> {
     let mut kept = kept_as(name);
     for number in 2.. {
-        if store.size(&kept)?.is_none() {
+        if store.size(&kept)?.is_none() && !store.is_obstructed(&kept)? {
             break;
         }
         kept = kept_as(&format!("{name}.{number}"));

@@ -97,6 +97,18 @@ impl DirStore {
         Ok((folder, name))
     }
 
+    /// What is found under a name; `None` if its folder is not there.
+    fn found<T>(&self, name: &str, look: impl FnOnce(&Folder, &Path) -> io::Result<Option<T>>) -> Result<Option<T>> {
+        check_name(name)?;
+        let (above, last) = name.rsplit_once('/').unwrap_or(("", name));
+        let found = match self.below(above) {
+            Ok(folder) => look(&folder, Path::new(last)),
+            Err(why) if matches!(why.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => Ok(None),
+            Err(why) => Err(why),
+        };
+        found.map_err(Error::io("look at", self.path(name)))
+    }
+
     /// Calls `found` with the name of every file in a folder and below.
     fn walk(&self, folder: &Folder, path: &str, found: &mut dyn FnMut(String)) -> Result<()> {
         let failed = |why| Error::io("list", self.path(path))(why);
@@ -162,15 +174,34 @@ impl Store for DirStore {
         Ok(bytes)
     }
 
+    fn reader(&self, name: &str) -> Result<Box<dyn io::Read>> {
+        let (folder, last) = self.locate(name)?;
+        Ok(Box::new(folder.open_file(last).map_err(Error::io("open", self.path(name)))?))
+    }
+
     fn size(&self, name: &str) -> Result<Option<u64>> {
-        check_name(name)?;
-        let (above, last) = name.rsplit_once('/').unwrap_or(("", name));
-        let found = match self.below(above) {
-            Ok(folder) => folder.size(Path::new(last)),
-            Err(why) if matches!(why.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => Ok(None),
-            Err(why) => Err(why),
+        self.found(name, |folder, last| folder.size(last))
+    }
+
+    fn is_obstructed(&self, name: &str) -> Result<bool> {
+        Ok(self.found(name, |folder, last| folder.kind(last))?.is_some_and(|kind| kind != Kind::File))
+    }
+
+    fn obstacles(&self, folder: &str) -> Result<Vec<String>> {
+        if !folder.is_empty() {
+            check_name(folder)?;
+        }
+        let failed = |why| Error::io("list", self.path(folder))(why);
+        let entries = match self.below(folder).and_then(|folder| folder.entries()) {
+            Ok(entries) => entries,
+            Err(why) if why.kind() == ErrorKind::NotFound => return Ok(Vec::new()),
+            Err(why) => return Err(failed(why)),
         };
-        found.map_err(Error::io("look at", self.path(name)))
+        let strange = entries.into_iter().filter(|(_, kind)| kind.is_some_and(|kind| kind != Kind::File));
+        let mut names: Vec<String> =
+            strange.map(|(name, _)| if folder.is_empty() { name } else { format!("{folder}/{name}") }).collect();
+        names.sort();
+        Ok(names)
     }
 
     fn list(&self, folder: &str) -> Result<Vec<String>> {

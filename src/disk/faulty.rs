@@ -166,6 +166,14 @@ impl Store for FaultyStore {
         self.inner.size(name)
     }
 
+    fn is_obstructed(&self, name: &str) -> Result<bool> {
+        self.inner.is_obstructed(name)
+    }
+
+    fn obstacles(&self, folder: &str) -> Result<Vec<String>> {
+        self.inner.obstacles(folder)
+    }
+
     fn list(&self, folder: &str) -> Result<Vec<String>> {
         self.inner.list(folder)
     }

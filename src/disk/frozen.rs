@@ -118,6 +118,11 @@ impl<T: Serialize + DeserializeOwned> Frozen<T> {
         Ok(committed)
     }
 
+    /// The page that comes after those of the list.
+    pub(crate) fn next_page(&self) -> String {
+        self.page(self.pages)
+    }
+
     fn push(&mut self, items: Vec<T>) {
         self.items.extend(items);
         self.pages += 1;
@@ -127,17 +132,22 @@ impl<T: Serialize + DeserializeOwned> Frozen<T> {
         format!("{}/{number:06}.json", self.name)
     }
 
-    /// The numbers of the pages that are there. Other files in the folder are left alone.
+    /// The numbers of the pages that are there, or that an obstacle has the name of. Other files in the folder are left
+    /// alone.
     fn there(&self) -> Result<BTreeSet<usize>> {
         let number = |name: &String| {
             let number = name.strip_prefix(&self.name)?.strip_prefix('/')?.strip_suffix(".json")?.parse().ok()?;
             (self.page(number) == *name).then_some(number)
         };
-        Ok(self.store.list(&self.name)?.iter().filter_map(number).collect())
+        let (files, obstacles) = (self.store.list(&self.name)?, self.store.obstacles(&self.name)?);
+        Ok(files.iter().chain(&obstacles).filter_map(number).collect())
     }
 
     /// The items of a page, or what is wrong with it.
     fn load(&self, page: &str) -> Result<Result<Vec<T>, String>> {
+        if self.store.is_obstructed(page)? {
+            return Ok(Err(corrupt::OBSTACLE.to_owned()));
+        }
         match SEAL.open(&self.store.read(page)?) {
             Ok(items) => Ok(Ok(items)),
             Err(Unreadable::Corrupt(why)) => Ok(Err(why)),

@@ -44,6 +44,10 @@ pub struct Findings {
 pub struct Finding {
     /// The unit.
     pub unit: UnitName,
+    /// Which unit of its phase it is, where its record can be believed.
+    pub what: Option<String>,
+    /// The file at fault: the unit's record or one of its files.
+    pub file: String,
     /// What was found, in words.
     pub why: String,
     /// The name under which the corrupt file is kept, if it was set aside.
@@ -98,10 +102,11 @@ impl Ledger {
             let Unsound::Lost { at_fault, files, .. } = unsound else { continue };
             for file in files {
                 let shared = done.shared(unit, std::slice::from_ref(file)).is_some();
-                if shared || store.size(&file.name)?.is_none() {
+                let obstructed = store.is_obstructed(&file.name)?;
+                if shared || (!obstructed && store.size(&file.name)?.is_none()) {
                     continue;
                 }
-                if file.name == *at_fault {
+                if obstructed || file.name == *at_fault {
                     findings.keep(unit, corrupt::set_aside(&*store, &file.name)?);
                 } else {
                     corrupt::remove(&*store, &file.name)?;
@@ -122,6 +127,17 @@ impl Ledger {
             }
         }
         Ok(swept)
+    }
+
+    /// Sets aside whatever keeps a file from having one of these names, and gives the names under which it is kept.
+    pub fn clear(&self, names: &[&str]) -> Result<Vec<String>> {
+        let mut kept = Vec::new();
+        for name in names {
+            if self.store.is_obstructed(name)? {
+                kept.push(corrupt::set_aside(&*self.store, name)?);
+            }
+        }
+        Ok(kept)
     }
 
     /// Makes a unit done, unless another process was faster: then the ledger goes on with that one's files, and removes
@@ -296,11 +312,11 @@ impl Ledger {
 
 impl Findings {
     fn add(&mut self, unit: UnitName, unsound: &Unsound, kept: Option<String>) {
-        let (list, why) = match unsound {
-            Unsound::Corrupt(why) => (&mut self.corrupt, why),
-            Unsound::Lost { why, .. } => (&mut self.lost, why),
+        let (list, what, file, why) = match unsound {
+            Unsound::Corrupt(why) => (&mut self.corrupt, None, file_of(&unit), why),
+            Unsound::Lost { what, why, at_fault, .. } => (&mut self.lost, Some(what.clone()), at_fault.clone(), why),
         };
-        list.push(Finding { unit, why: why.clone(), kept });
+        list.push(Finding { unit, what, file, why: why.clone(), kept });
     }
 
     /// Notes where the file is kept that a unit lost.
@@ -316,7 +332,8 @@ fn left(unit: &UnitName, record: &UnitRecord) -> Left {
 
 /// Reads all unit records: the units that are done, and those that only have a record.
 fn look(store: &dyn Store) -> Result<(Done, BTreeMap<UnitName, Unsound>)> {
-    let units: Vec<UnitName> = store.list(UNITS)?.iter().filter_map(|name| unit_of(name)).collect();
+    let (files, obstacles) = (store.list(UNITS)?, store.obstacles(UNITS)?);
+    let units: Vec<UnitName> = files.iter().chain(&obstacles).filter_map(|name| unit_of(name)).collect();
     let read = |unit: UnitName| match read_record(store, &unit) {
         Ok(found) => found.map(|found| Ok((unit, found.map(|record| left(&unit, &record))))),
         Err(why) => Some(Err(why)),
@@ -334,7 +351,7 @@ fn look(store: &dyn Store) -> Result<(Done, BTreeMap<UnitName, Unsound>)> {
 }
 
 /// Reads a unit's record; `None` if it is gone.
-fn read_record(store: &dyn Store, unit: &UnitName) -> Result<Option<Result<UnitRecord, Unsound>>> {
+pub(super) fn read_record(store: &dyn Store, unit: &UnitName) -> Result<Option<Result<UnitRecord, Unsound>>> {
     match UnitRecord::read(store, unit) {
         Ok(found) => Ok(Some(found)),
         Err(Error::Io { source, .. }) if source.kind() == ErrorKind::NotFound => Ok(None),

@@ -16,7 +16,8 @@
 //!   a link, a pipe or a device has a file's name, it is refused.
 //! - **Scratch is never committed.** [`Scratch`] has a temporary name and goes when it is dropped.
 //! - **Nothing is trusted.** A file's size is checked when a run is opened, its bytes when it is read: sealed files by
-//!   their footer, others by their unit record's checksum. Names cannot leave the store.
+//!   their footer, others by their unit record's checksum. Names cannot leave the store. A folder, link or device under
+//!   a file's name is an obstacle: it is set aside as it is.
 
 mod atomic;
 mod corrupt;
@@ -38,6 +39,7 @@ pub(crate) mod space;
 pub(crate) mod store;
 pub(crate) mod unit;
 mod unit_record;
+mod verify;
 
 pub(crate) use atomic::{WriteSeek, write_atomic};
 pub use dir::DirStore;
@@ -53,6 +55,7 @@ pub use store::Store;
 pub(crate) use store::{Content, Draft, FileEntry};
 pub use unit::Recipe;
 pub(crate) use unit::{Difference, UnitName};
+pub(crate) use verify::{Held, Rotten, verify};
 
 #[cfg(test)]
 mod tests;

@@ -1,7 +1,7 @@
 //! A store of write-once files. The same suite of tests runs on every store.
 
 use std::fmt;
-use std::io::{self, BufWriter, Write};
+use std::io::{self, BufWriter, Cursor, Read, Write};
 use std::ops::Deref;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -33,8 +33,25 @@ pub trait Store: fmt::Debug + Send + Sync {
         Ok(self.open(name)?.to_vec())
     }
 
+    /// Reads a committed file from its first byte to its last, without mapping or holding it.
+    fn reader(&self, name: &str) -> Result<Box<dyn Read>> {
+        Ok(Box::new(Cursor::new(self.open(name)?)))
+    }
+
     /// The size in bytes of a committed file, `None` if there is no such file.
     fn size(&self, name: &str) -> Result<Option<u64>>;
+
+    /// Whether an obstacle has this name: a folder, a link or a device, which no file can take the place of.
+    fn is_obstructed(&self, name: &str) -> Result<bool> {
+        let _ = name;
+        Ok(false)
+    }
+
+    /// The names of the obstacles in a folder, not below it; `""` is the store's own folder.
+    fn obstacles(&self, folder: &str) -> Result<Vec<String>> {
+        let _ = folder;
+        Ok(Vec::new())
+    }
 
     /// The names of all committed files in a folder and below, sorted; `""` is the whole store.
     fn list(&self, folder: &str) -> Result<Vec<String>>;
@@ -170,18 +187,27 @@ pub struct FileEntry {
 }
 
 impl FileEntry {
-    /// Reads the whole file and compares it with the entry. For files that carry no checksums of their own.
+    /// The bytes of the whole file, compared with the entry. For small files that carry no checksums of their own.
     pub fn verify(&self, store: &dyn Store) -> Result<Content> {
         let content = store.open(&self.name)?;
-        let found = Key::of_bytes(&content);
-        if content.len() as u64 == self.bytes && found == self.checksum {
-            return Ok(content);
+        self.compare(store, content.len() as u64, Key::of_bytes(&content))?;
+        Ok(content)
+    }
+
+    /// Reads the whole file, however large, and compares it with the entry.
+    pub fn check(&self, store: &dyn Store) -> Result<()> {
+        let mut hasher = blake3::Hasher::new();
+        hasher.update_reader(store.reader(&self.name)?).map_err(Error::io("read", store.path(&self.name)))?;
+        self.compare(store, hasher.count(), Key(*hasher.finalize().as_bytes()))
+    }
+
+    fn compare(&self, store: &dyn Store, bytes: u64, found: Key) -> Result<()> {
+        if bytes == self.bytes && found == self.checksum {
+            return Ok(());
         }
         let words = format!(
-            "{} bytes with checksum {found}, but its unit names {} with {}: the file has changed since it was written",
-            content.len(),
-            self.bytes,
-            self.checksum
+            "{bytes} bytes with checksum {found}, but its unit names {} with {}: the file has changed since it was written",
+            self.bytes, self.checksum
         );
         Err(Error::malformed(store.path(&self.name), words))
     }

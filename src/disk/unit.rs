@@ -84,6 +84,11 @@ impl Recipe {
         self.ingredients.iter().map(|(name, value)| (name.as_str(), value.as_str()))
     }
 
+    /// The unit as people know it: its phase, and which unit of the phase it is, as "cast 17".
+    pub fn in_words(&self) -> String {
+        in_words(self.phase, &self.what)
+    }
+
     /// The value of an ingredient.
     pub fn ingredient(&self, name: &str) -> Option<&str> {
         self.ingredients.get(name).map(String::as_str)
@@ -113,6 +118,11 @@ pub(super) fn name_of(phase: PhaseName, what: &str, ingredients: &BTreeMap<Strin
     let start = KeyBuilder::new("gonio unit 3").field(phase.as_str().as_bytes()).field(what.as_bytes());
     let all = ingredients.iter().fold(start, |key, (name, value)| key.field(name.as_bytes()).field(value.as_bytes()));
     UnitName { phase, hash: all.finish().0 }
+}
+
+/// A unit as people know it, as "cast 17".
+pub(super) fn in_words(phase: PhaseName, what: &str) -> String {
+    if what.is_empty() { phase.to_string() } else { format!("{phase} {what}") }
 }
 
 impl UnitName {

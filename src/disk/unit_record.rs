@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::corrupt::CORRUPT;
+use super::corrupt::{CORRUPT, OBSTACLE};
 use super::names::check_name;
 use super::sealed_json::{JsonSeal, Unreadable};
 use super::store::{FileEntry, Store};
@@ -48,6 +48,8 @@ pub(super) enum Unsound {
     Corrupt(String),
     /// A file is gone or has another size.
     Lost {
+        /// Which unit of its phase it is.
+        what: String,
         /// What was found, in words.
         why: String,
         /// The file.
@@ -95,6 +97,9 @@ impl UnitRecord {
     /// The record is of another version; the store fails, or has no such record.
     pub(super) fn read(store: &dyn Store, unit: &UnitName) -> Result<Result<UnitRecord, Unsound>> {
         let name = file_of(unit);
+        if store.is_obstructed(&name)? {
+            return Ok(Err(Unsound::Corrupt(OBSTACLE.to_owned())));
+        }
         let record = match SEAL.open::<UnitRecord>(&store.read(&name)?) {
             Ok(record) => record,
             Err(Unreadable::Corrupt(why)) => return Ok(Err(Unsound::Corrupt(why))),
@@ -113,7 +118,7 @@ impl UnitRecord {
         }
         if let Some(Missing { file, why }) = missing(store, &record.files)? {
             let at_fault = file.to_owned();
-            return Ok(Err(Unsound::Lost { why, at_fault, files: record.files }));
+            return Ok(Err(Unsound::Lost { what: record.what, why, at_fault, files: record.files }));
         }
         Ok(Ok(record))
     }
@@ -148,6 +153,9 @@ pub(super) fn missing<'a>(store: &dyn Store, files: &'a [FileEntry]) -> Result<O
             Some(bytes) if bytes == *wanted => {}
             Some(bytes) => {
                 return Ok(Some(Missing { file, why: format!("{file} has {bytes} bytes instead of {wanted}") }));
+            }
+            None if store.is_obstructed(file)? => {
+                return Ok(Some(Missing { file, why: format!("{file} {OBSTACLE}") }));
             }
             None => return Ok(Some(Missing { file, why: format!("{file} is not there") })),
         }

@@ -18,7 +18,7 @@ use crate::disk::Recipe;
 use crate::disk::{Ledger, Store};
 use crate::pipeline::Pipeline;
 use crate::scene::Mesh;
-use crate::stages::export::{Exporter, Surface};
+use crate::stages::export::{EXPORTERS, Exporter, Surface};
 use crate::stages::merge::Materials;
 
 /// The phase; a unit is a format.
@@ -39,6 +39,10 @@ fn recipe(pipeline: &Pipeline, exporter: &Exporter, tables: &Recipe) -> Recipe {
 impl Phase for Export {
     fn name(&self) -> PhaseName {
         PhaseName::Export
+    }
+
+    fn outputs(&self) -> Vec<&'static str> {
+        EXPORTERS.iter().flat_map(|exporter| exporter.files).copied().collect()
     }
 
     fn units(&self, known: &Known<'_>, store: &dyn Store, ledger: &Ledger) -> Result<Units> {

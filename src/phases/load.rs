@@ -36,8 +36,8 @@ impl Phase for Load {
         let surveyed = run.known.look(Look::Run, &store, &ledger, refuses)?;
         if let Some(damage) = surveyed.groups.damage() {
             let (page, why, kept) = (&damage.page, &damage.why, damage.kept.join(", "));
-            run.progress
-                .note(format!("the list of frame groups is made over from {page} on, which is now {kept}: {why}"));
+            let kept = if kept.is_empty() { kept } else { format!(", which is now {kept}") };
+            run.progress.note(format!("the list of frame groups is made over from {page} on{kept}: {why}"));
         }
         Ok(())
     }

@@ -1,5 +1,7 @@
 //! What a phase is.
 
+use std::sync::Arc;
+
 use super::cause::{Cause, between};
 use super::context::Context;
 use super::facts::Facts;
@@ -8,13 +10,18 @@ use super::takes::Takes;
 use super::units::{Unit, Units};
 use crate::base::{PhaseName, Result};
 use crate::disk::Recipe;
-use crate::disk::{Ledger, Store};
+use crate::disk::{Ledger, Rotten, Store};
 use crate::pipeline::Pipeline;
 
 /// A part of a run that ends before the next begins. All that is about it stands in its own file or folder.
 pub(crate) trait Phase: Sync {
     /// The phase's name.
     fn name(&self) -> PhaseName;
+
+    /// The files that people open, under names of their own. Every run holds them against their records.
+    fn outputs(&self) -> Vec<&'static str> {
+        Vec::new()
+    }
 
     /// Settles what must be settled before the phase's units are known. Only a run does.
     ///
@@ -35,6 +42,15 @@ pub(crate) trait Phase: Sync {
     /// `now`, those are of a unit that is gone.
     fn causes(&self, now: Option<&Recipe>, before: &[Recipe]) -> Vec<Cause> {
         now.map_or_else(Vec::new, |now| between(now, before))
+    }
+
+    /// What is rotten of the files that the phase keeps beside those of its units. Nothing is changed.
+    ///
+    /// # Errors
+    /// A store that fails.
+    fn rotten(&self, store: &Arc<dyn Store>, ledger: &Ledger) -> Result<Vec<Rotten>> {
+        let _ = (store, ledger);
+        Ok(Vec::new())
     }
 
     /// What the phase takes; `None` where it has nothing to do.

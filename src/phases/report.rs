@@ -6,6 +6,8 @@ use std::time::Duration;
 use serde::{Deserialize, Serialize, Serializer};
 
 use crate::base::PhaseName;
+use crate::base::key::KeyBuilder;
+use crate::disk::Ledger;
 use crate::flow::{Meter, Skipped};
 
 /// What a run did.
@@ -39,6 +41,8 @@ pub struct Report {
     pub stages: Vec<StageReport>,
     /// What was skipped, sorted.
     pub skipped: Vec<Skipped>,
+    /// The units that were done when the run ended, phase by phase.
+    pub units: Vec<UnitCount>,
     /// What was written for others.
     #[serde(serialize_with = "as_shown")]
     pub outputs: Vec<PathBuf>,
@@ -47,6 +51,29 @@ pub struct Report {
 /// Writes paths as messages show them: JSON is UTF-8, and a path need not be.
 fn as_shown<S: Serializer>(paths: &[PathBuf], serializer: S) -> Result<S::Ok, S::Error> {
     serializer.collect_seq(paths.iter().map(|path| path.to_string_lossy()))
+}
+
+/// The units of a phase that were done when a run ended.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct UnitCount {
+    /// The phase's name.
+    pub phase: PhaseName,
+    /// The number of units.
+    pub count: u64,
+    /// BLAKE3 in hex of the names of all of the units.
+    pub names: String,
+}
+
+impl UnitCount {
+    /// The units of these phases that a ledger has, but for phases without any.
+    pub(crate) fn of(phases: impl Iterator<Item = PhaseName>, ledger: &Ledger) -> Vec<UnitCount> {
+        let count = |phase: PhaseName| {
+            let units = ledger.of_phase(phase);
+            let all = units.iter().fold(KeyBuilder::new("gonio units 1"), |key, u| key.field(u.to_string().as_bytes()));
+            UnitCount { phase, count: units.len() as u64, names: all.finish().to_string() }
+        };
+        phases.map(count).filter(|found| found.count > 0).collect()
+    }
 }
 
 /// Counts of photographs.

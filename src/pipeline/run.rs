@@ -15,6 +15,8 @@ pub struct Run {
     pub memory: Bytes,
     /// Threads for the workers of all stages; 0 for as many as the machine has.
     pub threads: usize,
+    /// Whether all files from before are held against their records.
+    pub verify: bool,
 }
 
 /// The most threads that can be asked for.
@@ -40,6 +42,12 @@ impl Section for Run {
             doc: "Threads, 0 for as many as the machine has. The result is the same for any number.",
             value: Value::Default("0"),
         },
+        Key {
+            name: "verify",
+            doc: "Whether a run first holds all that it has from before against checksums, as `gonio verify` does, and does over \
+                  what is rotten. Tables and exports are held against theirs by every run, the rest when it is read.",
+            value: Value::Default("false"),
+        },
     ];
 
     fn read(keys: &Keys<'_>) -> Self {
@@ -54,14 +62,16 @@ impl Section for Run {
             work,
             memory: keys.parsed("memory", |text| text.parse().map_err(|_: String| size.to_owned())),
             threads: keys.within("threads", 0..=THREADS),
+            verify: keys.value("verify"),
         }
     }
 
     fn settings(&self) -> Settings {
-        let Run { work, memory, threads } = self;
+        let Run { work, memory, threads, verify } = self;
         Settings::of(Self::NAME)
             .with("work", work, Effect::Nothing)
             .with("memory", memory.to_string(), Effect::Nothing)
             .with("threads", threads, Effect::Nothing)
+            .with("verify", verify, Effect::Nothing)
     }
 }

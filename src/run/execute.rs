@@ -1,20 +1,20 @@
 //! Runs a pipeline: phase after phase, of each the units that the ledger lacks.
 
 use std::collections::BTreeSet;
-use std::io::Write;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use super::mend::Mending;
 use super::plan::{Plan, WORK};
 use crate::base::units::Bytes;
 use crate::base::{Error, PhaseName, Result, memory};
-use crate::disk::{DirStore, Finding, Findings, Ledger, Lock, Store};
+use crate::disk::{DirStore, Finding, Findings, Ledger, Lock, Store, UnitName};
 use crate::flow::{Budget, Reservation, StopSignal};
-use crate::phases::{Context, Extent, Facts, Known, PHASES, Phase, PhaseReport, Progress, Report, StageReport, Unit};
+use crate::phases::{
+    Context, Extent, Facts, Known, PHASES, Phase, PhaseReport, Progress, REPORT, Report, StageReport, Unit, UnitCount,
+    remove_report, write_report,
+};
 use crate::pipeline::Pipeline;
-
-/// The report's file in the run's folder.
-pub(super) const REPORT: &str = "report.json";
 
 /// Runs or resumes the pipeline to its end.
 ///
@@ -34,19 +34,23 @@ pub(super) fn run_phases(
     stop: &StopSignal,
     progress: &Progress,
 ) -> Result<Report> {
-    let ledger = Arc::new(opened(&store, progress)?);
+    let ledger = Arc::new(opened(phases, &store, progress)?);
     repaired(phases, &store, &ledger, pipeline, stop, progress)
 }
 
 /// Opens the ledger, tells what was found to be wrong, and sweeps.
-fn opened(store: &Arc<dyn Store>, progress: &Progress) -> Result<Ledger> {
+fn opened(phases: &[&dyn Phase], store: &Arc<dyn Store>, progress: &Progress) -> Result<Ledger> {
     let (ledger, findings) = Ledger::open(Arc::clone(store))?;
     let Findings { corrupt, lost } = findings;
-    for Finding { unit, why, kept } in corrupt.into_iter().chain(lost) {
+    for Finding { unit, why, kept, .. } in corrupt.into_iter().chain(lost) {
         let kept = kept.map_or_else(String::new, |kept| format!("; the corrupt file is now {kept}"));
         progress.note(format!("unit {unit} is done over: {why}{kept}"));
     }
     ledger.sweep()?;
+    let outputs: Vec<&str> = phases.iter().flat_map(|phase| phase.outputs()).chain([REPORT]).collect();
+    for kept in ledger.clear(&outputs)? {
+        progress.note(format!("a folder, a link or a device had the name of a file of the run's, and is now {kept}"));
+    }
     Ok(ledger)
 }
 
@@ -61,17 +65,12 @@ pub(super) fn repaired(
     progress: &Progress,
 ) -> Result<Report> {
     let started = Instant::now();
-    let mut set_aside = BTreeSet::new();
+    let mut mending = Mending::new(&**store, ledger, progress);
     loop {
-        let why = match attempt(phases, store, ledger, pipeline, &stop.again(), progress, started) {
+        match attempt(phases, store, ledger, pipeline, &stop.again(), started, &mut mending) {
             Ok(report) => return Ok(report),
-            Err(why) => why,
-        };
-        let Some(file) = why.malformed_file().filter(|file| set_aside.insert(file.to_path_buf())) else {
-            return Err(why);
-        };
-        let Some(found) = ledger.set_aside(file)? else { return Err(why) };
-        progress.note(format!("unit {} is done over; its corrupt file is now {}: {why}", found.unit, found.kept));
+            Err(why) => mending.after(why)?,
+        }
     }
 }
 
@@ -82,8 +81,8 @@ fn attempt(
     ledger: &Arc<Ledger>,
     pipeline: &Pipeline,
     stop: &StopSignal,
-    progress: &Progress,
     started: Instant,
+    mending: &mut Mending<'_>,
 ) -> Result<Report> {
     let refuses = |pipeline: &Pipeline, facts: &Facts| Plan::new(phases, pipeline, *facts).fits();
     // The estimator is loaded before anything costly starts.
@@ -93,7 +92,7 @@ fn attempt(
     let context = Context {
         pipeline,
         stop: stop.clone(),
-        progress,
+        progress: mending.progress,
         store: Arc::clone(store),
         ledger: Arc::clone(ledger),
         budget: Budget::new(pipeline.run.memory, stop),
@@ -101,23 +100,29 @@ fn attempt(
         known,
         report,
     };
-    let mut run = Run { phases, context, plan: None, process: None };
+    let mut run = Run { phases, context, mending, plan: None, process: None };
     let done = run.all().and_then(|()| run.write_report(started));
     done.map_err(|why| run.told_if_full(why))?;
     Ok(run.context.report)
 }
 
+/// Whether a run holds the files of a phase from before against their records: what people open always, the rest if asked.
+fn run_verifies(pipeline: &Pipeline, phase: &dyn Phase) -> bool {
+    pipeline.run.verify || !phase.outputs().is_empty()
+}
+
 /// A run under way.
-struct Run<'a> {
+struct Run<'a, 'm> {
     phases: &'a [&'a dyn Phase],
     context: Context<'a>,
+    mending: &'a mut Mending<'m>,
     /// What the run will take, once the scene is known.
     plan: Option<Plan>,
     /// The reservation of the memory that the process itself holds, kept as long as the run lasts.
     process: Option<Reservation>,
 }
 
-impl Run<'_> {
+impl Run<'_, '_> {
     fn all(&mut self) -> Result<()> {
         for phase in self.phases {
             self.one(*phase)?;
@@ -143,14 +148,22 @@ impl Run<'_> {
         }
         let wanted: BTreeSet<_> = units.all.iter().map(|unit| unit.name).collect();
         let stale = run.ledger.of_phase(phase.name()).into_iter().filter(|unit| !wanted.contains(unit));
-        run.ledger.forget(stale.collect::<Vec<_>>())?;
-        let to_do: Vec<Unit> = units.all.iter().filter(|unit| !run.ledger.is_done(&unit.name)).cloned().collect();
-        if to_do.is_empty() {
-            return phase.tell(run, &units, &[]);
+        let stale: Vec<UnitName> = stale.collect();
+        let (before, to_do): (Vec<Unit>, Vec<Unit>) =
+            units.all.iter().cloned().partition(|unit| run.ledger.is_done(&unit.name));
+        if !stale.is_empty() || !to_do.is_empty() {
+            remove_report(&*run.store)?;
         }
-        self.timed(phase, &to_do)?;
-        // What was read may be other than what was there before, and then so is the unit.
+        run.ledger.forget(stale)?;
+        if !to_do.is_empty() {
+            self.timed(phase, &to_do)?;
+        }
+        // IMPORTANT: before anything is made of them.
+        if run_verifies(self.context.pipeline, phase) {
+            self.mending.check(phase.name(), &before, &self.context.stop)?;
+        }
         let run = &mut self.context;
+        // What was read may be other than what was there before, and then so is the unit.
         let units = phase.units(&run.known, &*run.store, &run.ledger)?;
         let is_done = |unit: &&Unit| to_do.iter().any(|begun| begun.recipe.what() == unit.recipe.what());
         let done: Vec<Unit> = units.all.iter().filter(is_done).cloned().collect();
@@ -191,12 +204,8 @@ impl Run<'_> {
         let run = &mut self.context;
         run.report.memory_peak = run.budget.peak();
         run.report.seconds = started.elapsed().as_secs_f64();
-        let mut draft = run.store.create(REPORT)?;
-        serde_json::to_writer_pretty(&mut draft, &run.report)
-            .map_err(std::io::Error::from)
-            .and_then(|()| draft.write_all(b"\n"))
-            .map_err(Error::io("write", run.store.path(REPORT)))?;
-        draft.replace().map(drop)
+        run.report.units = UnitCount::of(self.phases.iter().map(|phase| phase.name()), &run.ledger);
+        write_report(&*run.store, &run.report)
     }
 
     /// The same error, and what to do where the disk is full.

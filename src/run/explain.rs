@@ -61,7 +61,7 @@ pub(super) fn explain_phases(phases: &[&dyn Phase], pipeline: &Pipeline) -> Resu
     Ok(explanation)
 }
 
-fn explained(phase: &dyn Phase, units: &Units, ledger: &Ledger) -> Result<PhaseExplanation> {
+pub(super) fn explained(phase: &dyn Phase, units: &Units, ledger: &Ledger) -> Result<PhaseExplanation> {
     let renewed = units.extent == Extent::Renewed;
     let again: Vec<&Unit> = units.all.iter().filter(|unit| renewed || !ledger.is_done(&unit.name)).collect();
     let mut causes = BTreeSet::new();

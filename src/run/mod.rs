@@ -3,10 +3,13 @@
 
 mod execute;
 mod explain;
+mod mend;
 mod plan;
 #[cfg(test)]
 mod tests;
+mod verify;
 
 pub use execute::run;
 pub use explain::{Explanation, PhaseExplanation, explain};
 pub use plan::{Foreseen, Plan, PlannedPhase, plan};
+pub(crate) use verify::{Verified, verify};

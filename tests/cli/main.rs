@@ -14,3 +14,4 @@ mod reduce;
 mod runs;
 mod spheres;
 mod typed;
+mod verify;

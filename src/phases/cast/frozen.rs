@@ -51,6 +51,7 @@ impl Frozen {
     }
 
     fn with(list: frozen::Frozen<Names>, damage: Option<Damage>, ledger: &Ledger) -> Result<Self> {
+        let damage = damage.or_else(|| lost_end(&list, ledger));
         let remembered = if damage.is_some() { remembered(ledger, list.items().len())? } else { Vec::new() };
         Ok(Frozen { list, damage, remembered })
     }
@@ -100,6 +101,14 @@ impl Names {
     pub(super) fn frames(&self) -> impl Iterator<Item = &str> {
         self.frames.iter().map(String::as_str)
     }
+}
+
+/// The damage of a list that lacks pages at its end: units that are done are of groups that it does not hold.
+fn lost_end(list: &frozen::Frozen<Names>, ledger: &Ledger) -> Option<Damage> {
+    let numbers = ledger.of_phase(PhaseName::Cast).into_iter().filter_map(|unit| ledger.what(&unit)?.parse().ok());
+    let beyond = numbers.max().is_some_and(|last: usize| last >= list.items().len());
+    let why = || "it is not there, but units of its groups are".to_owned();
+    beyond.then(|| Damage { page: list.next_page(), why: why(), kept: Vec::new() })
 }
 
 /// The groups from number `first` on, as the units of casting remember them, up to the first that no unit remembers.

@@ -4,12 +4,13 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::causes::causes;
+use super::frozen::Frozen;
 use super::groups::Group;
 use super::share::{CastNeeds, CastShare};
 use crate::base::convert::Cut;
 use crate::base::ids::FrameId;
 use crate::base::{Error, PhaseName, Result};
-use crate::disk::{FileEntry, Ledger, Recipe, Store};
+use crate::disk::{Damage, FileEntry, Ledger, Recipe, Rotten, Store};
 use crate::flow::Flow;
 use crate::phases::cause::Cause;
 use crate::phases::context::Context;
@@ -48,6 +49,11 @@ impl Phase for Cast {
         let unit = |group: &Group| Unit::new(group.recipe.clone()).weighing(group.frames.len() as u64);
         let all = known.surveyed()?.groups.all().iter().map(unit).collect();
         Ok(Units { noun: "frames", all, extent: Extent::Exact })
+    }
+
+    fn rotten(&self, store: &Arc<dyn Store>, ledger: &Ledger) -> Result<Vec<Rotten>> {
+        let damage = Frozen::read(store, ledger)?.damage().cloned();
+        Ok(damage.into_iter().map(|Damage { page, why, .. }| Rotten { file: page, unit: None, why }).collect())
     }
 
     fn causes(&self, now: Option<&Recipe>, before: &[Recipe]) -> Vec<Cause> {

@@ -1,11 +1,13 @@
-//! A small run that is killed, refused or torn at every step that it takes on the disk, one that two raced for, a phase that
-//! nobody foresaw, and the keys that change nothing.
+//! A small run that is killed, refused or torn at every step that it takes on the disk, one that rots, one that two raced for, a
+//! phase that nobody foresaw, and the keys that change nothing.
 
 mod faults;
 #[cfg(unix)]
 mod inputs;
 mod mock;
 mod race;
+#[cfg(unix)]
+mod rot;
 mod unchanged;
 
 use std::path::Path;

@@ -7,4 +7,5 @@ mod ply;
 mod section;
 
 pub(crate) use exporter::{Exporter, Surface};
+pub(crate) use list::EXPORTERS;
 pub(crate) use section::Config;
