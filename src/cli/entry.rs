@@ -21,7 +21,7 @@ pub fn main(args: impl IntoIterator<Item = OsString>) -> Ending {
     match args.command.run() {
         Ok(ending) => ending,
         Err(Failure::Problems(problems)) => {
-            let count = problems.list.len();
+            let count = problems.list.len() + problems.more;
             err(&format!("{problems}\n{count} problem{}", if count == 1 { "" } else { "s" }));
             Ending::Misused
         }

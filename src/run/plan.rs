@@ -181,7 +181,7 @@ mod tests {
     fn plan(facts: Facts, memory: u64) -> Plan {
         let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("pipelines/demo.toml");
         let set = format!("run.memory={memory}MiB");
-        Plan::new(PHASES, &crate::pipeline::load(&file, &[set]).unwrap(), facts)
+        Plan::new(PHASES, &crate::pipeline::load(&file, &[set.into()]).unwrap(), facts)
     }
 
     fn phase(plan: &Plan, name: PhaseName) -> &Takes {

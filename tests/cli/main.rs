@@ -6,6 +6,7 @@
 mod budget;
 mod changes;
 mod files;
+mod floods;
 mod images;
 mod kills;
 mod lit;
