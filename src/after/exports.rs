@@ -6,6 +6,7 @@ use std::sync::Arc;
 use super::finished::Finished;
 use crate::base::Result;
 use crate::disk::{DirStore, Ledger, Lock, Store};
+use crate::flow::pool;
 use crate::phases::export_tables;
 use crate::pipeline::Pipeline;
 
@@ -17,6 +18,6 @@ pub(crate) fn export(pipeline: &Pipeline) -> Result<Vec<PathBuf>> {
     let finished = Finished::open(pipeline)?;
     let _lock = Lock::acquire(&pipeline.run.work)?;
     let store: Arc<dyn Store> = Arc::new(DirStore::new(&pipeline.run.work));
-    let (ledger, _) = Ledger::open(Arc::clone(&store))?;
+    let (ledger, _) = pool::share(pipeline.run.threads(), || Ledger::open(Arc::clone(&store)))??;
     export_tables(pipeline, &*store, &ledger, &finished.scene.mesh, &finished.tables)
 }

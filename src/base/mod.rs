@@ -1,11 +1,12 @@
-//! The ground floor: errors, ids, sets of triangles, conversions between numbers, units, content keys, arrays, files of others, the names of the
-//! phases, and the memory of the process.
+//! The ground floor: errors, ids, sets of triangles, conversions between numbers, units, content keys, arrays, files and code of others, the names of
+//! the phases, and the memory of the process.
 
 pub(crate) mod array;
 mod bits;
 pub(crate) mod convert;
 pub(crate) mod error;
 pub(crate) mod file;
+pub(crate) mod guard;
 pub(crate) mod ids;
 pub(crate) mod key;
 pub(crate) mod memory;
