@@ -9,9 +9,19 @@ mod files;
 mod floods;
 mod images;
 mod kills;
+#[cfg(target_os = "linux")]
+mod limits;
 mod lit;
+#[cfg(target_os = "linux")]
+mod names;
 mod ran;
 mod reduce;
 mod runs;
 mod spheres;
+#[cfg(unix)]
+mod stops;
+#[cfg(target_os = "linux")]
+mod streams;
+#[cfg(target_os = "linux")]
+mod threads;
 mod typed;
