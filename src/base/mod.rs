@@ -1,5 +1,5 @@
 //! The ground floor: errors, ids, sets of triangles, conversions between numbers, units, content keys, arrays, input
-//! files, the names of the phases, and the memory of the process.
+//! files, calls of others' code, the names of the phases, and the memory of the process.
 
 pub(crate) mod array;
 mod bits;
@@ -7,6 +7,7 @@ pub(crate) mod convert;
 pub(crate) mod error;
 #[cfg(test)]
 pub(crate) mod faulty_input;
+pub(crate) mod guard;
 pub(crate) mod ids;
 pub(crate) mod input;
 pub(crate) mod key;

@@ -23,7 +23,7 @@ pub(super) struct Args {
 pub(super) fn verify(args: &Args) -> Answer {
     let pipeline = args.pipeline.load()?;
     let verified = run::verify(&pipeline, args.inputs)?;
-    out(&if verified.is_sound() { sound(&verified, &pipeline, args.inputs) } else { rotten(&verified, &pipeline) });
+    out(&if verified.is_sound() { sound(&verified, &pipeline, args.inputs) } else { rotten(&verified, &pipeline) })?;
     Ok(if verified.is_sound() { Ending::Done } else { Ending::Broken })
 }
 

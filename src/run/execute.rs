@@ -9,7 +9,7 @@ use super::plan::{Plan, WORK};
 use crate::base::units::Bytes;
 use crate::base::{Error, PhaseName, Result, memory};
 use crate::disk::{DirStore, Finding, Findings, Ledger, Lock, Store, UnitName};
-use crate::flow::{Budget, Reservation, StopSignal};
+use crate::flow::{Budget, Reservation, StopSignal, pool};
 use crate::phases::{
     Context, Extent, Facts, Known, PHASES, Phase, PhaseReport, Progress, REPORT, Report, StageReport, Unit, UnitCount,
     remove_report, write_report,
@@ -34,7 +34,8 @@ pub(super) fn run_phases(
     stop: &StopSignal,
     progress: &Progress,
 ) -> Result<Report> {
-    let ledger = Arc::new(opened(phases, &store, progress)?);
+    let threads = pipeline.run.threads();
+    let ledger = Arc::new(pool::share(threads, || opened(phases, &store, progress))??);
     repaired(phases, &store, &ledger, pipeline, stop, progress)
 }
 
@@ -208,8 +209,13 @@ impl Run<'_, '_> {
         write_report(&*run.store, &run.report)
     }
 
-    /// The same error, and what to do where the disk is full.
+    /// The same error, and what to do where the disk is full or a file is too large for a limit.
     fn told_if_full(&self, why: Error) -> Error {
+        if why.is_file_too_large() {
+            let doing = "the system allows no file of that size (ulimit -f, or the disk's format): raise the limit, and the same \
+                         command goes on from here";
+            return why.doing(doing);
+        }
         if !why.is_disk_full() {
             return why;
         }

@@ -11,7 +11,7 @@ use crate::base::convert::Cut;
 use crate::base::ids::FrameId;
 use crate::base::{Error, PhaseName, Result};
 use crate::disk::{Damage, FileEntry, Ledger, Recipe, Rotten, Store};
-use crate::flow::Flow;
+use crate::flow::{Flow, pool};
 use crate::phases::cause::Cause;
 use crate::phases::context::Context;
 use crate::phases::facts::{Facts, USUAL_BINS};
@@ -42,7 +42,8 @@ impl Phase for Cast {
     fn prepare(&self, run: &mut Context<'_>) -> Result<()> {
         let (pipeline, ledger) = (run.pipeline, Arc::clone(&run.ledger));
         let surveyed = run.known.surveyed_mut()?;
-        surveyed.groups.freeze(pipeline, &ledger, &surveyed.scene)
+        // Where another process froze other groups, their photographs are looked at, many at once.
+        pool::share(pipeline.run.threads(), || surveyed.groups.freeze(pipeline, &ledger, &surveyed.scene))?
     }
 
     fn units(&self, known: &Known<'_>, _: &dyn Store, _: &Ledger) -> Result<Units> {
