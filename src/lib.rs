@@ -76,7 +76,7 @@ pub use after::{Results, read_maps};
 pub use base::ids::{FrameId, TriangleId};
 pub use base::units::Bytes;
 pub use base::{Error, PhaseName, Result};
-pub use cli::{Ending, main, prepare_process};
+pub use cli::{Allocator, Ending, main, prepare_process};
 pub use config::{Position, Problem, Problems};
 pub use flow::StopSignal;
 pub use phases::{

@@ -2,6 +2,9 @@
 
 use std::process::ExitCode;
 
+#[global_allocator]
+static ALLOCATOR: gonio::Allocator = gonio::Allocator;
+
 fn main() -> ExitCode {
     // SAFETY: no other thread runs yet.
     unsafe { gonio::prepare_process() };

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use super::finished::Finished;
 use crate::base::Result;
 use crate::disk::{DirStore, Ledger, Lock, Store};
+use crate::flow::pool;
 use crate::phases::{PHASES, UnitCount, export_tables, read_report, write_report};
 use crate::pipeline::Pipeline;
 
@@ -15,9 +16,10 @@ use crate::pipeline::Pipeline;
 /// No finished materials; anything that cannot be read or written.
 pub(crate) fn export(pipeline: &Pipeline) -> Result<Vec<PathBuf>> {
     let finished = Finished::open(pipeline)?;
-    let _lock = Lock::acquire(&pipeline.run.work)?;
-    let store: Arc<dyn Store> = Arc::new(DirStore::new(&pipeline.run.work));
-    let (ledger, _) = Ledger::open(Arc::clone(&store))?;
+    let store = DirStore::new(&pipeline.run.work);
+    let _lock = Lock::acquire(&store)?;
+    let store: Arc<dyn Store> = Arc::new(store);
+    let (ledger, _) = pool::share(pipeline.run.threads(), || Ledger::open(Arc::clone(&store)))??;
     let report = read_report(&*store);
     let outputs = export_tables(pipeline, &*store, &ledger, &finished.scene.mesh, &finished.tables)?;
     // A report that cannot be read is written anew by the next run.

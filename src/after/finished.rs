@@ -6,6 +6,7 @@ use std::sync::Arc;
 use crate::base::{Error, PhaseName, Result};
 use crate::disk::Recipe;
 use crate::disk::{DirStore, Ledger, Store};
+use crate::flow::pool;
 use crate::phases::{LoadedScene, Meshes};
 use crate::pipeline::Pipeline;
 use crate::stages::merge::Materials;
@@ -23,7 +24,7 @@ pub(super) struct Finished {
 /// The scene of a pipeline, with the run's folder as it is.
 pub(super) fn looked_at(pipeline: &Pipeline) -> Result<(Arc<dyn Store>, Ledger, LoadedScene)> {
     let store: Arc<dyn Store> = Arc::new(DirStore::new(&pipeline.run.work));
-    let (ledger, _) = Ledger::read(Arc::clone(&store))?;
+    let (ledger, _) = pool::share(pipeline.run.threads(), || Ledger::read(Arc::clone(&store)))??;
     let scene = LoadedScene::read(pipeline, &*store, &ledger, Meshes::Any)?;
     Ok((store, ledger, scene))
 }

@@ -10,6 +10,7 @@ use crate::base::ids::{ShardId, TriangleId};
 use crate::base::{Error, Result};
 use crate::codec::buffers::{self, Buffers};
 use crate::codec::maps;
+use crate::flow::pool;
 use crate::phases::cast::{FrameGroups, opened_segments};
 use crate::pipeline::Pipeline;
 use crate::scene::reflectance::SparseMap;
@@ -64,7 +65,8 @@ pub fn read_maps(pipeline: &Pipeline, triangles: &[TriangleId]) -> Result<Vec<Sp
             scene.mesh.len()
         )));
     }
-    let groups = FrameGroups::read(pipeline, &store, &ledger, &scene, None)?;
+    let read = || FrameGroups::read(pipeline, &store, &ledger, &scene, None);
+    let groups = pool::share(pipeline.run.threads(), read)??;
     let groups = groups.all();
     let missing = groups.iter().filter(|group| !ledger.is_done(&group.recipe.unit())).count();
     if missing > 0 {

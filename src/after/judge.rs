@@ -11,6 +11,7 @@ use super::picture::{Light, as_decoded, lighting};
 use crate::base::ids::TriangleId;
 use crate::base::{Array, Error, Result};
 use crate::codec::tables::npy;
+use crate::flow::pool;
 use crate::pipeline::Pipeline;
 use crate::render::metrics::{MaterialErrors, compare, diffuse_guess};
 use crate::render::pictures::PixelErrors;
@@ -45,8 +46,13 @@ pub(crate) struct Judged {
 /// # Errors
 /// No finished run; a truth that cannot be read or has other triangles; no triangle that was seen.
 pub(crate) fn judge(pipeline: &Pipeline, truth: &Path, frames: usize) -> Result<Vec<Judged>> {
-    let Finished { scene, materials, .. } = Finished::open(pipeline)?;
+    let finished = Finished::open(pipeline)?;
     let truth: Vec<Material> = npy::read_rows(truth)?.into_iter().map(Material::from).collect();
+    pool::share(pipeline.run.threads(), || judged(pipeline, &finished, &truth, frames))?
+}
+
+fn judged(pipeline: &Pipeline, finished: &Finished, truth: &[Material], frames: usize) -> Result<Vec<Judged>> {
+    let Finished { scene, materials, .. } = finished;
     let evidence: Vec<Evidence> = materials.evidence.iter().map(|row| Evidence::from_array(*row)).collect();
     let seen: Vec<bool> = evidence.iter().map(|e| e.filled == Filled::Observed).collect();
     if !seen.contains(&true) {
@@ -64,7 +70,7 @@ pub(crate) fn judge(pipeline: &Pipeline, truth: &Path, frames: usize) -> Result<
         estimates.push(("Lambertian in the known light", lambertian(&light, &mean)));
     }
     let errors: Vec<MaterialErrors> =
-        estimates.iter().map(|(_, estimate)| compare(&truth, estimate, &seen)).collect::<Result<_>>()?;
+        estimates.iter().map(|(_, estimate)| compare(truth, estimate, &seen)).collect::<Result<_>>()?;
 
     // What is not to be compared is no number in the pictures of the truth.
     let nothing = Material::from([f32::NAN; Material::LEN]);

@@ -7,6 +7,7 @@ use glam::{DMat3, DVec3, Vec3};
 use super::finished::{Finished, writable};
 use crate::base::{Error, Result};
 use crate::codec::images::{Size, read_image, to_srgb8, write_png};
+use crate::flow::pool;
 use crate::pipeline::Pipeline;
 use crate::render::relight::Rendering;
 use crate::render::visibility::SKY_RAYS;
@@ -48,14 +49,16 @@ pub(crate) fn render(pipeline: &Pipeline, frame: &str, light: Light, beside: boo
     let mut rows: Vec<Material> = rows.collect();
     let bvh = scene.bvh();
     let mut lighting = lighting(light, DVec3::from(pipeline.scene.up))?;
-    if light == Light::None {
-        // A black sun and a white sky that all see: diffuse colours.
-        rows.iter_mut().for_each(|m| m.ks = [0.0; 3]);
-    } else {
-        let all = 0..scene.mesh.len();
-        lighting.visibility = sky_visibility(&scene.mesh, &bvh, lighting.up, SKY_RAYS, all).into();
-    }
-    let picture = relight(&scene.mesh, &bvh, &rows, &frame, &lighting)?;
+    let picture = pool::share(pipeline.run.threads(), || {
+        if light == Light::None {
+            // A black sun and a white sky that all see: diffuse colours.
+            rows.iter_mut().for_each(|m| m.ks = [0.0; 3]);
+        } else {
+            let all = 0..scene.mesh.len();
+            lighting.visibility = sky_visibility(&scene.mesh, &bvh, lighting.up, SKY_RAYS, all).into();
+        }
+        relight(&scene.mesh, &bvh, &rows, &frame, &lighting)
+    })??;
     let pixels: Vec<[u8; 3]> = picture.rgb.iter().map(|p| p.map(to_srgb8)).collect();
     if !beside {
         return write_png(out, &pixels, size.width, size.height);

@@ -38,7 +38,7 @@ pub enum Error {
         /// The panic's own words.
         message: String,
     },
-    /// The run was asked to stop (SIGINT, SIGTERM); committed work stays.
+    /// The run was asked to stop; committed work stays.
     #[error("interrupted; the same command goes on from here")]
     Interrupted,
     /// An error and what was being done.
@@ -87,10 +87,20 @@ impl Error {
         if let Error::Malformed { path, .. } = self.cause() { Some(path) } else { None }
     }
 
+    /// What the system said, if it is the system that refused.
+    pub(crate) fn system_error(&self) -> Option<std::io::ErrorKind> {
+        if let Error::Io { source, .. } = self.cause() { Some(source.kind()) } else { None }
+    }
+
     /// Whether the error is a full disk.
     pub fn is_disk_full(&self) -> bool {
         let full = [std::io::ErrorKind::StorageFull, std::io::ErrorKind::QuotaExceeded];
         matches!(self.cause(), Error::Io { source, .. } if full.contains(&source.kind()))
+    }
+
+    /// Whether the error is a file that would be larger than the system allows.
+    pub fn is_file_too_large(&self) -> bool {
+        matches!(self.cause(), Error::Io { source, .. } if source.kind() == std::io::ErrorKind::FileTooLarge)
     }
 
     /// Whether the run was asked to stop and did not break.

@@ -2,26 +2,15 @@
 //! are the same bytes (BLAKE3), so a resume can trust the key alone.
 
 use std::fmt;
-use std::path::Path;
 use std::str::FromStr;
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
-
-use super::{Error, Result, file};
 
 /// A 256-bit content hash.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Key(pub [u8; 32]);
 
 impl Key {
-    /// The key of a file's bytes.
-    pub fn of_file(path: &Path) -> Result<Key> {
-        let mut hasher = blake3::Hasher::new();
-        // Not mapped: whoever cuts a mapped file short ends the process.
-        file::open(path).and_then(|file| hasher.update_reader(file).map(drop)).map_err(Error::io("read", path))?;
-        Ok(Key(*hasher.finalize().as_bytes()))
-    }
-
     /// The key of bytes.
     pub fn of_bytes(bytes: &[u8]) -> Key {
         Key(*blake3::hash(bytes).as_bytes())

@@ -1,14 +1,18 @@
-//! The ground floor: errors, ids, sets of triangles, conversions between numbers, units, content keys, arrays, files of others, the names of the
-//! phases, and the memory of the process.
+//! The ground floor: errors, ids, sets of triangles, conversions between numbers, units, content keys, arrays, input
+//! files, calls of others' code, the names of the phases, and the memory of the process.
 
 pub(crate) mod array;
 mod bits;
 pub(crate) mod convert;
 pub(crate) mod error;
-pub(crate) mod file;
+#[cfg(test)]
+pub(crate) mod faulty_input;
+pub(crate) mod guard;
 pub(crate) mod ids;
+pub(crate) mod input;
 pub(crate) mod key;
 pub(crate) mod memory;
+pub(crate) mod patience;
 pub(crate) mod phase;
 pub(crate) mod units;
 

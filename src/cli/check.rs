@@ -15,6 +15,6 @@ pub(super) struct Args {
 /// Checks a pipeline file.
 pub(super) fn check(args: &Args) -> Answer {
     args.pipeline.load()?;
-    out(&format!("{}: no problems", args.pipeline.file.display()));
+    out(&format!("{}: no problems", args.pipeline.file.display()))?;
     Ok(Ending::Done)
 }

@@ -16,7 +16,7 @@ pub(super) struct Args {
 
 /// Shows what the next run would do over.
 pub(super) fn explain(args: &Args) -> Answer {
-    out(&table(&run::explain(&args.pipeline.load()?)?));
+    out(&table(&run::explain(&args.pipeline.load()?)?))?;
     Ok(Ending::Done)
 }
 

@@ -16,6 +16,6 @@ pub(super) struct Args {
 /// Writes what is missing and shows the paths of all exports.
 pub(super) fn export(args: &Args) -> Answer {
     let written = after::export(&args.pipeline.load()?)?;
-    written.iter().for_each(|path| out(&path.display().to_string()));
+    written.iter().try_for_each(|path| out(&path.display().to_string()))?;
     Ok(Ending::Done)
 }

@@ -6,12 +6,15 @@
 
 mod args;
 mod check;
+mod deadline;
+mod defect;
 mod ending;
 mod entry;
 mod eval;
 mod explain;
 mod export;
 mod inspect;
+mod out_of_memory;
 mod pipeline_args;
 mod plan;
 mod print;
@@ -20,9 +23,11 @@ mod progress;
 mod render;
 mod report;
 mod run;
+mod streams;
 mod synth;
 mod verify;
 
 pub use ending::Ending;
 pub use entry::main;
+pub use out_of_memory::Allocator;
 pub use process::prepare_process;

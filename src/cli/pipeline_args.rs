@@ -1,5 +1,6 @@
 //! The pipeline file that a command names, and the settings laid over it.
 
+use std::ffi::OsString;
 use std::path::PathBuf;
 
 use crate::config::Problems;
@@ -13,7 +14,7 @@ pub(super) struct PipelineArgs {
     pub file: PathBuf,
     /// Set a key for this call; a path is then relative to the current folder
     #[arg(long, value_name = "SECTION.KEY=VALUE")]
-    pub set: Vec<String>,
+    pub set: Vec<OsString>,
 }
 
 impl PipelineArgs {

@@ -18,7 +18,7 @@ pub(super) struct Args {
 /// Shows what a run will take, and refuses one that cannot work.
 pub(super) fn plan(args: &Args) -> Answer {
     let foreseen = run::plan(&args.pipeline.load()?)?;
-    out(&table(&foreseen));
+    out(&table(&foreseen))?;
     foreseen.works()?;
     Ok(Ending::Done)
 }

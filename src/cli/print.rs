@@ -2,14 +2,19 @@
 
 use std::io::Write;
 
+use super::streams::write_out;
+use crate::base::Result;
 use crate::base::convert::Cut;
 
-/// Shows lines on standard output. A closed pipe ends no command: what cannot be shown is dropped.
-pub(super) fn out(text: &str) {
-    writeln!(std::io::stdout().lock(), "{text}").unwrap_or_default();
+/// Shows lines on standard output.
+///
+/// # Errors
+/// Those of [`write_out`].
+pub(super) fn out(text: &str) -> Result<()> {
+    write_out(|to| writeln!(to, "{text}"))
 }
 
-/// Shows lines on standard error.
+/// Shows lines on standard error. What cannot be shown is dropped.
 pub(super) fn err(text: &str) {
     writeln!(std::io::stderr().lock(), "{text}").unwrap_or_default();
 }

@@ -8,7 +8,7 @@ use crossbeam_channel::{Receiver, RecvTimeoutError};
 use serde_json::{Value, json};
 
 use super::print::{clock, err, out, short};
-use crate::base::PhaseName;
+use crate::base::{Error, PhaseName, Result};
 use crate::flow::{Meter, Reading, StopSignal};
 use crate::phases::{PhaseProgress, Progress, State, time_left};
 
@@ -43,23 +43,39 @@ pub(super) struct Show {
     /// Phases whose end has been told.
     ended: usize,
     stopping: bool,
+    halting: bool,
     rates: Vec<Rate>,
+    /// Why events can no longer be told, and are no longer.
+    failed: Option<Error>,
 }
 
 impl Show {
     /// Nothing shown yet.
     pub(super) fn new(style: Style) -> Self {
-        Show { style, started: Instant::now(), drawn: 0, ended: 0, stopping: false, rates: Vec::new() }
+        Show {
+            style,
+            started: Instant::now(),
+            drawn: 0,
+            ended: 0,
+            stopping: false,
+            halting: false,
+            rates: Vec::new(),
+            failed: None,
+        }
     }
 
     /// Shows until the channel closes. Notes, ends of phases and a stop are told within a quarter of a second.
-    pub(super) fn until(mut self, running: &Receiver<()>, progress: &Progress, stop: &StopSignal) {
+    ///
+    /// # Errors
+    /// Events that could not be written.
+    pub(super) fn until(mut self, running: &Receiver<()>, progress: &Progress, stop: &StopSignal) -> Result<()> {
         let mut shown = Instant::now();
         loop {
             let ended = running.recv_timeout(Style::Terminal.period()) != Err(RecvTimeoutError::Timeout);
             self.tell(progress, stop);
             if ended {
-                return self.clear();
+                self.clear();
+                return self.failed.map_or(Ok(()), Err);
             }
             if shown.elapsed() >= self.style.period() || self.style == Style::Terminal {
                 shown = Instant::now();
@@ -79,6 +95,11 @@ impl Show {
             let words = "stopping: what is in flight is finished and committed; once more to stop at once";
             events.push((words.to_owned(), json!({ "event": "stopping" })));
         }
+        if stop.halted() && !self.halting {
+            self.halting = true;
+            let words = "stopping at once: what is in flight takes longer than [run] grace, and is dropped";
+            events.push((words.to_owned(), json!({ "event": "halting" })));
+        }
         let ended: Vec<(PhaseName, Duration)> = progress
             .phases()
             .into_iter()
@@ -93,7 +114,13 @@ impl Show {
             self.clear();
         }
         for (words, event) in events {
-            if self.style == Style::Json { out(&event.to_string()) } else { err(&words) }
+            if self.style == Style::Json { self.event(&event) } else { err(&words) }
+        }
+    }
+
+    fn event(&mut self, event: &Value) {
+        if self.failed.is_none() {
+            self.failed = out(&event.to_string()).err();
         }
     }
 
@@ -107,7 +134,7 @@ impl Show {
             let event = json!({
                 "event": "progress", "phase": phase.name, "done": phase.done(), "seconds_left": left, "stages": stages,
             });
-            return out(&event.to_string());
+            return self.event(&event);
         }
         let mut lines = vec![headline(phase, now - self.started, left)];
         lines.extend(rows.iter().map(Row::line));

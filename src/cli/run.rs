@@ -1,18 +1,19 @@
-//! `gonio run`: the run on this thread, its progress on another.
+//! `gonio run`: the run on this thread, its progress on another, the deadline of a stop on a third.
 
 use std::io::IsTerminal;
+use std::sync::{Mutex, PoisonError};
 use std::thread;
 
 use crossbeam_channel::bounded;
 use serde_json::json;
 
+use super::deadline::with_deadline;
 use super::ending::{Answer, Ending};
 use super::pipeline_args::PipelineArgs;
 use super::print::{err, out};
 use super::progress::{Show, Style};
 use super::report;
-use crate::base::Error;
-use crate::flow::{StopSignal, signal};
+use crate::flow::{StopSignal, spawn};
 use crate::phases::Progress;
 use crate::run::run as run_pipeline;
 
@@ -31,37 +32,45 @@ pub(super) struct Args {
 pub(super) fn run(args: &Args) -> Answer {
     let (pipeline, json) = (args.pipeline.load()?, args.json);
     let (stop, progress) = (StopSignal::new(), Progress::new());
-    let _listening = signal::listen(&stop)?;
     let style = match (json, std::io::stderr().is_terminal()) {
         (true, _) => Style::Json,
         (false, true) => Style::Terminal,
         (false, false) => Style::Plain,
     };
-    let ran = thread::scope(|scope| {
-        let (done, running) = bounded::<()>(0);
-        let (told, stopping) = (&progress, &stop);
-        let show = move || Show::new(style).until(&running, told, stopping);
-        let shown = thread::Builder::new().name("progress".to_owned()).spawn_scoped(scope, show);
-        let shown = shown.map_err(|why| Error::invalid(format!("cannot start a thread: {why}")))?;
-        let ran = run_pipeline(&pipeline, &stop, &progress);
-        drop(done);
-        // A panic there must not take the run's result with it.
-        shown.join().unwrap_or_else(|_| err("gonio: the display of progress failed"));
-        ran
-    });
-    match (ran, json) {
-        (Ok(report), _) => {
-            if json {
-                out(&json!({ "event": "done", "report": report }).to_string());
-            } else {
-                out(&report::table(&report));
+    let shown = Mutex::new(Ok(()));
+    let ran = with_deadline(&stop, pipeline.run.grace(), || {
+        thread::scope(|scope| {
+            let (done, running) = bounded::<()>(0);
+            let (told, stopping, shown) = (&progress, &stop, &shown);
+            let show = move || {
+                let all = Show::new(style).until(&running, told, stopping);
+                *shown.lock().unwrap_or_else(PoisonError::into_inner) = all;
+            };
+            if let Err(why) = spawn::start(scope, "progress", true, show) {
+                err(&format!("gonio: no thread is granted that shows progress: {why}"));
             }
+            let ran = run_pipeline(&pipeline, &stop, &progress);
+            drop(done);
+            ran
+        })
+    })?;
+    let shown = shown.into_inner().unwrap_or_else(PoisonError::into_inner);
+    match ran {
+        Ok(report) => {
+            let event = || json!({ "event": "done", "report": report }).to_string();
+            let told = shown.and_then(|()| out(&if json { event() } else { report::table(&report) }));
+            told.map_err(|why| {
+                why.doing(format!("the run is done, and {} has its results", pipeline.run.work.display()))
+            })?;
             Ok(if report.skipped.is_empty() { Ending::Done } else { Ending::Skipped })
         }
-        (Err(why), true) => {
-            out(&json!({ "event": "failed", "interrupted": why.is_interrupt(), "why": why.to_string() }).to_string());
+        Err(why) => {
+            if json {
+                let event = json!({ "event": "failed", "interrupted": why.is_interrupt(), "why": why.to_string() });
+                // What broke the run counts for more than that it cannot be told here.
+                shown.and_then(|()| out(&event.to_string())).unwrap_or_default();
+            }
             Err(why.into())
         }
-        (Err(why), false) => Err(why.into()),
     }
 }

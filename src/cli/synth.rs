@@ -5,12 +5,15 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand, ValueEnum};
 
+use super::deadline::with_deadline;
 use super::ending::{Answer, Ending};
 use super::print::{err, out};
-use crate::base::Error;
+use super::streams::write_out;
+use crate::base::{Error, Result};
 use crate::codec::tables::npy;
 use crate::disk::write_atomic;
-use crate::flow::{StopSignal, signal};
+use crate::flow::deadline::GRACE;
+use crate::flow::{StopSignal, pool};
 use crate::synth::city::{self, CityConfig};
 use crate::synth::sparse::{self, Prior};
 use crate::synth::spheres::{Camera, Layout, Published, Samples};
@@ -130,7 +133,14 @@ pub(super) struct Bins {
 /// An option is out of range, a file cannot be written, or the command is interrupted.
 pub(super) fn synth(what: Synth) -> Answer {
     let stop = StopSignal::new();
-    let _listening = signal::listen(&stop)?;
+    with_deadline(&stop, GRACE, || pool::share(pool::available(), || made(what, &stop)))???;
+    if stop.draining() {
+        err("gonio: interrupted, but done");
+    }
+    Ok(Ending::Done)
+}
+
+fn made(what: Synth, stop: &StopSignal) -> Result<()> {
     let stopped = || stop.draining();
     match what {
         Synth::City(c) => {
@@ -147,7 +157,7 @@ pub(super) fn synth(what: Synth) -> Answer {
             };
             let made = city::generate_if_needed(&c.out, &config, &stopped)?;
             let was = if made.reused { "there already" } else { "made" };
-            out(&format!("{}: {} triangles, {} frames; {was}", c.out.display(), made.triangles, made.frames));
+            out(&format!("{}: {} triangles, {} frames; {was}", c.out.display(), made.triangles, made.frames))?;
         }
         Synth::Spheres(s) => match s.layout {
             Some(typed) => {
@@ -172,18 +182,12 @@ pub(super) fn synth(what: Synth) -> Answer {
         Synth::Bins(b) => {
             let write = |to: &mut dyn io::Write| sparse::write(to, b.prior, b.seed, b.count);
             if b.out == Path::new("-") {
-                match write(&mut io::stdout().lock()) {
-                    // The reader of the stream takes as many samples as it wants.
-                    Err(why) if why.kind() == io::ErrorKind::BrokenPipe => {}
-                    done => done.map_err(Error::io("write", "standard output"))?,
-                }
+                // The reader of the stream takes as many samples as it wants.
+                write_out(write)?;
             } else {
                 write_atomic(&b.out, |mut to| write(&mut to).map_err(Error::io("write", &b.out)))?;
             }
         }
     }
-    if stop.draining() {
-        err("gonio: interrupted, but done");
-    }
-    Ok(Ending::Done)
+    Ok(())
 }

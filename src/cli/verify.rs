@@ -23,7 +23,7 @@ pub(super) struct Args {
 pub(super) fn verify(args: &Args) -> Answer {
     let pipeline = args.pipeline.load()?;
     let verified = run::verify(&pipeline, args.inputs)?;
-    out(&if verified.is_sound() { sound(&verified, &pipeline, args.inputs) } else { rotten(&verified, &pipeline) });
+    out(&if verified.is_sound() { sound(&verified, &pipeline, args.inputs) } else { rotten(&verified, &pipeline) })?;
     Ok(if verified.is_sound() { Ending::Done } else { Ending::Broken })
 }
 
@@ -49,7 +49,8 @@ fn rotten(Verified { held, changed, unread, .. }: &Verified, pipeline: &Pipeline
         lines.add(format!("unread  {why}; inputs that come after it were not compared"));
     }
     if !held.rotten.is_empty() {
-        lines.add(format!("{} rotten: `gonio run {file}` makes it again", held.rotten.len()));
+        let count = held.rotten.len();
+        lines.add(format!("{count} rotten: `gonio run {file} --set run.verify=true` makes it again"));
     }
     if !changed.is_empty() {
         let count = changed.len();

@@ -5,8 +5,7 @@
 //! - `.png`: the front halves (rows 0..30) of the maps, one under the other, 8-bit sRGB, every bin 4 x 4 pixels, a dark
 //!   blue where nothing was observed, a line of white between maps.
 
-use std::fs::File;
-use std::io::{BufWriter, Seek, Write};
+use std::io::{Seek, Write};
 use std::path::Path;
 
 use zip::result::ZipResult;
@@ -17,6 +16,7 @@ use super::images;
 use super::tables::npy;
 use crate::base::convert::to_u32;
 use crate::base::{Error, Result};
+use crate::disk::write_atomic;
 use crate::scene::reflectance::{BINS, COLUMNS, ROWS, SparseMap};
 
 /// The most maps in one file: 64 MB of a picture.
@@ -46,8 +46,7 @@ fn bounded(maps: &[SparseMap]) -> Result<()> {
 
 fn write_npz(out: &Path, maps: &[SparseMap]) -> Result<()> {
     bounded(maps)?;
-    let file = File::create(out).map_err(Error::io("create", out))?;
-    npz(BufWriter::new(file), maps).map_err(|why| Error::io("write", out)(why.into()))
+    write_atomic(out, |to| npz(to, maps).map_err(|why| Error::io("write", out)(why.into())))
 }
 
 fn npz(out: impl Write + Seek, maps: &[SparseMap]) -> ZipResult<()> {

@@ -3,7 +3,8 @@
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 
-use super::problem::Problem;
+use super::faults::Faults;
+use super::problem::{Position, Problem};
 use super::raw::Table;
 
 /// A file being read. Reading collects problems and goes on.
@@ -13,20 +14,25 @@ pub struct Document<'a> {
     pub root: &'a Table,
     /// The file's folder, to which its paths are relative.
     pub folder: &'a Path,
-    problems: RefCell<Vec<Problem>>,
+    faults: RefCell<Faults>,
     made: RefCell<Vec<(&'static str, PathBuf)>>,
     work: RefCell<Option<PathBuf>>,
 }
 
 impl<'a> Document<'a> {
     /// A document in which these problems were found already.
-    pub fn new(root: &'a Table, folder: &'a Path, problems: Vec<Problem>) -> Self {
-        Document { root, folder, problems: RefCell::new(problems), made: RefCell::default(), work: RefCell::default() }
+    pub fn new(root: &'a Table, folder: &'a Path, faults: Faults) -> Self {
+        Document { root, folder, faults: RefCell::new(faults), made: RefCell::default(), work: RefCell::default() }
     }
 
     /// Adds a problem.
     pub fn add(&self, problem: Problem) {
-        self.problems.borrow_mut().push(problem);
+        self.faults.borrow_mut().add(problem);
+    }
+
+    /// Adds a problem for each of these. `words` is asked only for those that may be told.
+    pub fn add_many<T>(&self, all: Vec<(&Position, T)>, words: impl Fn((&Position, T)) -> Problem) {
+        self.faults.borrow_mut().add_many(all, words);
     }
 
     /// Declares a path that the run makes itself: where the key `field` leads to it, nothing need be there yet.
@@ -49,9 +55,9 @@ impl<'a> Document<'a> {
         self.work.borrow().as_ref().is_some_and(|work| real(path).starts_with(work))
     }
 
-    /// All problems, unsorted.
-    pub fn into_problems(self) -> Vec<Problem> {
-        self.problems.into_inner()
+    /// The problems that were found.
+    pub fn into_faults(self) -> Faults {
+        self.faults.into_inner()
     }
 }
 

@@ -2,6 +2,7 @@
 //! reading goes on and finds the next one.
 
 use std::cell::RefCell;
+use std::ffi::OsString;
 use std::fmt::Display;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
@@ -54,11 +55,9 @@ impl<'a> Keys<'a> {
                 document.add(problem.at(node.position.clone(), outline.name));
             }
         }
-        for (name, (position, _)) in keys.entries.into_iter().flatten() {
-            if outline.key(name).is_none() {
-                document.add(keys.unlisted(name).at(position.clone(), keys.field(name)));
-            }
-        }
+        let entries = keys.entries.into_iter().flatten().filter(|(name, _)| outline.key(name).is_none());
+        let unlisted = entries.map(|(name, (position, _))| (position, name)).collect();
+        document.add_many(unlisted, |(position, name)| keys.unlisted(name).at(position.clone(), keys.field(name)));
         keys
     }
 
@@ -179,8 +178,11 @@ impl<'a> Keys<'a> {
 
     /// A path is relative to the file's folder, or, if it was typed, to the current folder.
     fn resolve(&self, node: &Node) -> Result<PathBuf, Problem> {
-        let written = String::from_toml(node)?;
-        if written.is_empty() || written.contains('\0') {
+        let written: OsString = match &node.value {
+            Toml::Path(path) => path.clone(),
+            _ => String::from_toml(node)?.into(),
+        };
+        if written.is_empty() || written.as_encoded_bytes().contains(&0) {
             return Err("must be a path".into());
         }
         let folder = if node.position == Position::Set { Path::new("") } else { self.document.folder };

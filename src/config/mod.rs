@@ -7,7 +7,9 @@
 //!
 //! ```text
 //! raw        the tree of a TOML file, every node with its position
+//! place      the lines and columns of byte offsets
 //! problem    what is wrong with a file
+//! faults     the problems of a file while they are found
 //! key        a section's keys as their owner declares them
 //! document   one file being read: its tree and the problems so far
 //! keys       the reader of one section; value, choice, path: what a key may hold
@@ -17,9 +19,11 @@
 
 mod choice;
 mod document;
+mod faults;
 mod key;
 mod keys;
 mod path;
+mod place;
 mod problem;
 pub(crate) mod raw;
 mod section;
@@ -28,6 +32,7 @@ mod value;
 
 pub(crate) use choice::Choice;
 pub(crate) use document::Document;
+pub(crate) use faults::Faults;
 pub(crate) use key::{Former, Key, Now, Outline, Value};
 pub(crate) use keys::Keys;
 pub(crate) use path::Leads;

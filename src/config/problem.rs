@@ -71,21 +71,23 @@ impl From<String> for Problem {
     }
 }
 
-/// All that is wrong with a file.
+/// What is wrong with a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Problems {
     /// The file's path, as it was given.
     pub file: PathBuf,
-    /// The problems, sorted by position.
+    /// The first problems, at most 50, sorted by position.
     pub list: Vec<Problem>,
+    /// The number of problems beside those.
+    pub more: usize,
 }
 
-/// Problems that are shown; the rest is counted.
-const SHOWN: usize = 50;
+/// Problems of a file that are told; the rest is counted.
+pub(super) const TOLD: usize = 50;
 
 impl fmt::Display for Problems {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for (at, problem) in self.list.iter().take(SHOWN).enumerate() {
+        for (at, problem) in self.list.iter().enumerate() {
             if at > 0 {
                 writeln!(f)?;
             }
@@ -96,7 +98,8 @@ impl fmt::Display for Problems {
                 Position::Set => f.write_str("--set ")?,
             }
             if !field.is_empty() {
-                write!(f, "{}: ", field.escape_debug())?;
+                let (short, dots) = shortened(field);
+                write!(f, "{}{dots}: ", short.escape_debug())?;
             }
             f.write_str(rule)?;
             if let Some(got) = got {
@@ -106,7 +109,7 @@ impl fmt::Display for Problems {
                 write!(f, "; {hint}")?;
             }
         }
-        match self.list.len().saturating_sub(SHOWN) {
+        match self.more {
             0 => Ok(()),
             more => write!(f, "\n{}: and {more} more", self.file.display()),
         }
@@ -117,7 +120,7 @@ impl std::error::Error for Problems {}
 
 /// What to say of an unknown name: the known names, and the name that may have been meant.
 pub(crate) fn unknown(name: &str, known: &[&str]) -> (String, Option<String>) {
-    let near = known.iter().map(|k| (strsim::damerau_levenshtein(&cut(name), k), k)).min();
+    let near = known.iter().map(|k| (strsim::damerau_levenshtein(shortened(name).0, k), k)).min();
     // A third of the letters wrong is still a typo; more is another word.
     let meant = near.filter(|(distance, k)| 3 * distance <= k.len().max(3));
     (format!("the known ones are {}", known.join(", ")), meant.map(|(_, k)| format!("did you mean `{k}`?")))
@@ -125,13 +128,16 @@ pub(crate) fn unknown(name: &str, known: &[&str]) -> (String, Option<String>) {
 
 /// A text from a file, fit to be shown: short, and without control characters.
 pub(super) fn shown(text: &str) -> String {
-    let short = cut(text);
-    let dots = if short.len() < text.len() { "..." } else { "" };
+    let (short, dots) = shortened(text);
     format!("\"{}{dots}\"", short.escape_debug())
 }
 
-fn cut(text: &str) -> String {
-    text.chars().take(100).collect()
+/// The beginning of a text, and dots if there is more of it.
+fn shortened(text: &str) -> (&str, &'static str) {
+    match text.char_indices().nth(100) {
+        Some((end, _)) => (&text[..end], "..."),
+        None => (text, ""),
+    }
 }
 
 #[cfg(test)]
@@ -162,9 +168,9 @@ mod tests {
 
     #[test]
     fn a_flood_is_counted_and_not_shown() {
-        let list = vec![Problem::new("is wrong").at(Position::Whole, "a"); 60];
-        let text = Problems { file: "p.toml".into(), list }.to_string();
+        let list = vec![Problem::new("is wrong").at(Position::Whole, "a".repeat(1 << 18)); TOLD];
+        let text = Problems { file: "p.toml".into(), list, more: 10 }.to_string();
         assert_eq!(text.lines().count(), 51);
-        assert!(text.ends_with("p.toml: and 10 more"));
+        assert!(text.ends_with("p.toml: and 10 more") && text.len() < 200 * TOLD, "{}", text.len());
     }
 }

@@ -3,6 +3,7 @@
 //! The file comes from strangers. Its size is limited before it is read, its depth by the parser (80 levels).
 
 use std::collections::BTreeMap;
+use std::ffi::{OsStr, OsString};
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
@@ -10,6 +11,8 @@ use std::path::Path;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
+use super::faults::Faults;
+use super::place::Places;
 use super::problem::{Position, Problem, shown};
 
 /// The largest file that is read, in bytes; a file of a hundred keys has a fiftieth of them.
@@ -41,6 +44,8 @@ pub enum Toml {
     List(Vec<Node>),
     /// A table, inline or not.
     Table(Table),
+    /// A typed path that is not UTF-8.
+    Path(OsString),
     /// Anything that no key takes: dates, integers beyond 64 bits.
     Other(String),
 }
@@ -69,6 +74,7 @@ impl Toml {
             Toml::Bool(b) => b.to_string(),
             Toml::List(list) => numbers(list).unwrap_or_else(|| format!("a list of {}", list.len())),
             Toml::Table(_) => "a table".to_owned(),
+            Toml::Path(path) => shown(&path.to_string_lossy()),
             Toml::Other(text) => text.clone(),
         }
     }
@@ -88,8 +94,8 @@ fn numbers(list: &[Node]) -> Option<String> {
 ///
 /// # Errors
 /// One problem if it cannot be read; all that the parser finds if it is no TOML.
-pub(crate) fn read(path: &Path) -> Result<Table, Vec<Problem>> {
-    let whole = |rule: String| vec![Problem::new(rule)];
+pub(crate) fn read(path: &Path) -> Result<Table, Faults> {
+    let whole = |rule: String| Faults::from(Problem::new(rule));
     let mut bytes = Vec::new();
     let file = File::open(path).and_then(|f| f.take(LARGEST + 1).read_to_end(&mut bytes));
     file.map_err(|why| whole(format!("cannot be read: {why}")))?;
@@ -99,8 +105,8 @@ pub(crate) fn read(path: &Path) -> Result<Table, Vec<Problem>> {
     match std::str::from_utf8(&bytes) {
         Ok(text) => parse(text),
         Err(why) => {
-            let good = String::from_utf8_lossy(&bytes[..why.valid_up_to()]).into_owned();
-            Err(vec![Problem::new("must be UTF-8 text").at(position(&good, good.len()), "")])
+            let good = String::from_utf8_lossy(&bytes[..why.valid_up_to()]);
+            Err(Problem::new("must be UTF-8 text").at(Places::of(&good).position(good.len()), "").into())
         }
     }
 }
@@ -109,25 +115,29 @@ pub(crate) fn read(path: &Path) -> Result<Table, Vec<Problem>> {
 ///
 /// # Errors
 /// All that the parser finds.
-pub(crate) fn parse(text: &str) -> Result<Table, Vec<Problem>> {
+pub(crate) fn parse(text: &str) -> Result<Table, Faults> {
     let (root, errors) = DeTable::parse_recoverable(text);
+    let places = Places::of(text);
     if errors.is_empty() {
-        return Ok(table(root.get_ref(), &|offset| position(text, offset)));
+        return Ok(table(root.get_ref(), &|offset| places.position(offset)));
     }
-    let problem = |e: &toml::de::Error| {
-        let at = e.span().map_or(Position::Whole, |span| position(text, span.start));
-        Problem::new(format!("is no TOML: {}", e.message())).at(at, "")
-    };
-    Err(errors.iter().map(problem).collect())
+    let mut faults = Faults::default();
+    let all = errors.iter().map(|error| (error.span().map(|span| span.start), error)).collect();
+    faults.add_many(all, |(start, error)| {
+        let at = start.map_or(Position::Whole, |start| places.position(start));
+        Problem::new(format!("is no TOML: {}", error.message())).at(at, "")
+    });
+    Err(faults)
 }
 
-/// Applies one `--set section.key=value`. The value is TOML, or else a string without quotes.
+/// Applies one `--set section.key=value`. The value is TOML, or else a string without quotes, or a path that is not UTF-8.
 ///
 /// # Errors
 /// An argument of another form, or a key within something that is no table.
-pub(crate) fn set(root: &mut Table, argument: &str) -> Result<(), Problem> {
-    let form = || Problem::new("takes section.key=value").at(Position::Set, "").got(shown(argument));
-    let (key, text) = argument.split_once('=').ok_or_else(form)?;
+pub(crate) fn set(root: &mut Table, argument: &OsStr) -> Result<(), Problem> {
+    let typed = argument.to_string_lossy();
+    let form = || Problem::new("takes section.key=value").at(Position::Set, "").got(shown(&typed));
+    let (key, text) = typed.split_once('=').ok_or_else(form)?;
     let key = key.trim();
     let parts: Vec<&str> = key.split('.').map(str::trim).collect();
     let (last, sections) = parts.split_last().ok_or_else(form)?;
@@ -145,13 +155,27 @@ pub(crate) fn set(root: &mut Table, argument: &str) -> Result<(), Problem> {
             }
         }
     }
-    table.insert((*last).to_owned(), (Position::Set, bare(text.trim())));
+    let node = path_that_is_not_utf8(argument).unwrap_or_else(|| bare(text.trim()));
+    table.insert((*last).to_owned(), (Position::Set, node));
     Ok(())
 }
 
 /// Parses a value alone; `None` if it is no TOML.
 pub(crate) fn value(text: &str) -> Option<Node> {
     DeValue::parse(text).ok().map(|parsed| node(&parsed, &|_| Position::Whole))
+}
+
+/// What is typed after the `=`, where it is not UTF-8.
+fn path_that_is_not_utf8(argument: &OsStr) -> Option<Node> {
+    #[cfg(unix)]
+    if argument.to_str().is_none() {
+        use std::os::unix::ffi::OsStrExt;
+        let path = argument.as_bytes().splitn(2, |byte| *byte == b'=').nth(1)?;
+        let value = Toml::Path(OsStr::from_bytes(path).to_owned());
+        return Some(Node { position: Position::Set, value, bare: None });
+    }
+    let _ = argument;
+    None
 }
 
 fn bare(text: &str) -> Node {
@@ -189,14 +213,6 @@ fn node(from: &Spanned<DeValue<'_>>, position: &dyn Fn(usize) -> Position) -> No
     Node { position: position(from.span().start), value, bare: None }
 }
 
-/// The line and column of a byte offset.
-fn position(text: &str, offset: usize) -> Position {
-    let before = text.get(..offset).unwrap_or(text);
-    let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
-    let line = before.bytes().filter(|b| *b == b'\n').count() + 1;
-    Position::File { line, column: before[line_start..].chars().count() + 1 }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -218,7 +234,8 @@ mod tests {
 
     #[test]
     fn all_syntax_errors_are_found_with_their_places() {
-        let places: Vec<_> = parse("a = \n[b]\nc = 1\nc = 2\n").unwrap_err().into_iter().map(|p| p.position).collect();
+        let faults = parse("a = \n[b]\nc = 1\nc = 2\n").unwrap_err();
+        let places: Vec<_> = faults.of_file(Path::new("")).list.into_iter().map(|p| p.position).collect();
         assert_eq!(places, [at(1, 5), at(4, 1)]);
     }
 
@@ -236,7 +253,7 @@ mod tests {
         let mut root = parse("[scene]\nposes = { format = \"colmap\", path = \"a\" }\n[cast]\ntile = 32").unwrap();
         for argument in ["cast.tile=64", "scene.poses.path=/a b/c.d", "merge.fill=false", "scene.mesh=\"q\"", "x.y==="]
         {
-            set(&mut root, argument).unwrap();
+            set(&mut root, argument.as_ref()).unwrap();
         }
         let get = |path: [&str; 2]| match &root[path[0]].1.value {
             Toml::Table(t) => t[path[1]].1.clone(),
@@ -251,7 +268,7 @@ mod tests {
         assert_eq!(poses["path"].1.value, Toml::Text("/a b/c.d".into()));
         assert_eq!(poses["format"].1.value, Toml::Text("colmap".into()));
         for bad in ["", "=", "a=1", "a.=1", ".a=1", "a.b", "cast.tile.x=1", "a.b.c.d.e=1"] {
-            assert!(set(&mut root, bad).is_err(), "{bad}");
+            assert!(set(&mut root, bad.as_ref()).is_err(), "{bad}");
         }
     }
 

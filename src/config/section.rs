@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::document::Document;
+use super::faults::Faults;
 use super::key::{Former, Key, Outline};
 use super::keys::Keys;
 use super::problem::{Position, Problem};
@@ -40,16 +41,14 @@ pub(crate) fn defaults<S: Section>() -> S {
 pub(crate) fn read_text<S: Section>(text: &str) -> (S, Vec<Problem>) {
     match super::raw::parse(text) {
         Ok(table) => of_table(table),
-        Err(problems) => (defaults(), problems),
+        Err(faults) => (defaults(), faults.of_file(Path::new("")).list),
     }
 }
 
 fn of_table<S: Section>(table: Table) -> (S, Vec<Problem>) {
     let found = (Position::Whole, Node { position: Position::Whole, value: Toml::Table(table), bare: None });
     let root = Table::new();
-    let document = Document::new(&root, Path::new(""), Vec::new());
+    let document = Document::new(&root, Path::new(""), Faults::default());
     let section = S::read(&Keys::open(&document, S::OUTLINE, Some(&found)));
-    let mut problems = document.into_problems();
-    problems.sort();
-    (section, problems)
+    (section, document.into_faults().of_file(Path::new("")).list)
 }

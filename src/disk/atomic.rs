@@ -1,11 +1,13 @@
 //! One file, whole or not at all: temporary name, write, sync, final name, sync the folder.
 
-use std::fs::{self, File, OpenOptions};
+use std::fs::File;
 use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::process;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use super::folder::{Folder, Kind, has_no_links};
 use super::names::{Committed, Naming, TEMPORARY};
 use crate::base::{Error, Result};
 
@@ -13,31 +15,32 @@ use crate::base::{Error, Result};
 #[derive(Debug)]
 pub(super) struct AtomicFile {
     file: File,
+    folder: Arc<Folder>,
     temporary: PathBuf,
-    target: PathBuf,
+    name: PathBuf,
+    /// The file in messages.
+    path: PathBuf,
     /// Whether the temporary name is gone.
     renamed: bool,
 }
 
 impl AtomicFile {
-    /// Begins a file in a folder that is there.
-    pub(super) fn create(target: &Path) -> Result<Self> {
+    /// Begins a file in this folder, which is at `path` but for the file's name. Its temporary name carries `mark`.
+    pub(super) fn create(folder: Arc<Folder>, path: &Path, mark: &str) -> Result<Self> {
         static NEXT: AtomicU64 = AtomicU64::new(0);
-        let name = target.file_name().ok_or_else(|| Error::invalid(format!("{} names no file", target.display())))?;
-        // A device or a pipe would be replaced by a file of its name.
-        if fs::metadata(target).is_ok_and(|there| !there.is_file()) {
-            return Err(Error::invalid(format!("{} is not a file, so no file is put in its place", target.display())));
-        }
+        let name = path.file_name().ok_or_else(|| Error::invalid(format!("{} names no file", path.display())))?;
+        let (name, path) = (PathBuf::from(name), path.to_owned());
+        refuse_strange(&folder, &name, &path)?;
         loop {
-            let mut temporary = name.to_owned();
+            let mut temporary = name.clone().into_os_string();
             let unique = NEXT.fetch_add(1, Ordering::Relaxed);
-            temporary.push(format!(".{}-{unique}{TEMPORARY}", process::id()));
-            let temporary = target.with_file_name(temporary);
-            match OpenOptions::new().read(true).write(true).create_new(true).open(&temporary) {
-                Ok(file) => return Ok(AtomicFile { file, temporary, target: target.to_owned(), renamed: false }),
+            temporary.push(format!(".{mark}{}-{unique}{TEMPORARY}", process::id()));
+            let temporary = PathBuf::from(temporary);
+            match folder.create_new(&temporary) {
+                Ok(file) => return Ok(AtomicFile { file, folder, temporary, name, path, renamed: false }),
                 // A dead process with our id left it, or a process of another machine has our id.
                 Err(why) if why.kind() == io::ErrorKind::AlreadyExists => {}
-                Err(why) => return Err(Error::io("create", target)(why)),
+                Err(why) => return Err(Error::io("create", path)(why)),
             }
         }
     }
@@ -46,34 +49,36 @@ impl AtomicFile {
     pub(super) fn commit(mut self, naming: Naming) -> Result<Committed> {
         // IMPORTANT: bytes first, then the name, then the folder that holds the name. A name that reaches the disk
         // before its bytes would leave a torn file that is trusted.
-        self.file.sync_all().map_err(Error::io("sync", &self.temporary))?;
+        self.file.sync_all().map_err(Error::io("sync", &self.path))?;
         match naming {
             Naming::Replace => {
-                fs::rename(&self.temporary, &self.target)
-                    .map_err(Error::io("rename a temporary file to", &self.target))?;
+                refuse_strange(&self.folder, &self.name, &self.path)?;
+                self.folder
+                    .rename(&self.temporary, &self.folder, &self.name)
+                    .map_err(Error::io("rename a temporary file to", &self.path))?;
                 self.renamed = true;
             }
             Naming::FirstWins => {
-                if self.take_name(|from, to| fs::hard_link(from, to))? == Committed::Already {
+                if self.take_name(|folder, from, to| folder.link(from, to))? == Committed::Already {
                     return Ok(Committed::Already);
                 }
             }
         }
-        sync_folder_of(&self.target)?;
+        self.folder.sync().map_err(Error::io("sync the folder of", &self.path))?;
         Ok(Committed::Now)
     }
 
     /// Takes the name if it is free, in one step of the filesystem: two processes cannot both take it. `link` makes a
     /// hard link; where there are none, the file is renamed without replacing another.
-    fn take_name(&mut self, link: impl FnOnce(&Path, &Path) -> io::Result<()>) -> Result<Committed> {
-        let taken = match link(&self.temporary, &self.target) {
+    fn take_name(&mut self, link: impl FnOnce(&Folder, &Path, &Path) -> io::Result<()>) -> Result<Committed> {
+        let taken = match link(&self.folder, &self.temporary, &self.name) {
             Ok(()) => {
                 // What cannot be removed now is swept with the other temporary files.
-                self.renamed = fs::remove_file(&self.temporary).is_ok();
+                self.renamed = self.folder.remove(&self.temporary).is_ok();
                 Ok(())
             }
             Err(why) if has_no_links(&why) => {
-                let renamed = rename_without_replace(&self.temporary, &self.target);
+                let renamed = self.folder.rename_new(&self.temporary, &self.name);
                 self.renamed = renamed.is_ok();
                 renamed
             }
@@ -83,30 +88,29 @@ impl AtomicFile {
             Ok(()) => Ok(Committed::Now),
             // NOTE: a network filesystem may do the link, lose its answer, and answer the second request with "exists".
             Err(why) if why.kind() == io::ErrorKind::AlreadyExists => {
-                Ok(if self.has_its_name() { Committed::Now } else { Committed::Already })
+                let own = self.folder.is_named(&self.file, &self.name);
+                Ok(if own { Committed::Now } else { Committed::Already })
             }
-            Err(why) => Err(Error::io("name a temporary file", &self.target)(why)),
+            Err(why) => Err(Error::io("name a temporary file", &self.path)(why)),
         }
-    }
-
-    /// Whether the file under the final name is this one.
-    fn has_its_name(&self) -> bool {
-        #[cfg(unix)]
-        {
-            use std::os::unix::fs::MetadataExt;
-            let node = |found: fs::Metadata| (found.dev(), found.ino());
-            let (own, there) = (self.file.metadata().map(node), fs::symlink_metadata(&self.target).map(node));
-            matches!((own, there), (Ok(own), Ok(there)) if own == there)
-        }
-        #[cfg(not(unix))]
-        false
     }
 
     /// The bytes written so far, to be changed in place.
     pub(super) fn map_mut(&self) -> Result<memmap2::MmapMut> {
         // SAFETY: this process made the file, under a name of its own that only the file's owner has. A stranger who cuts
         // the file short while it is mapped ends the process with SIGBUS, as with the files of `DirStore::open`.
-        unsafe { memmap2::MmapMut::map_mut(&self.file) }.map_err(Error::io("map", &self.temporary))
+        unsafe { memmap2::MmapMut::map_mut(&self.file) }.map_err(Error::io("map", &self.path))
+    }
+}
+
+/// Refuses a name that something other than a file has: a link, a device or a pipe would be replaced by the file.
+fn refuse_strange(folder: &Folder, name: &Path, path: &Path) -> Result<()> {
+    match folder.kind(name).map_err(Error::io("look at", path))? {
+        None | Some(Kind::File) => Ok(()),
+        Some(Kind::Folder | Kind::Other) => Err(Error::invalid(format!(
+            "{} is not a file but a link, a folder or a device, so no file is put in its place: name another file",
+            path.display()
+        ))),
     }
 }
 
@@ -130,48 +134,9 @@ impl Drop for AtomicFile {
     fn drop(&mut self) {
         if !self.renamed {
             // What cannot be removed now is swept when the run is opened again.
-            fs::remove_file(&self.temporary).unwrap_or_default();
+            self.folder.remove(&self.temporary).unwrap_or_default();
         }
     }
-}
-
-/// Whether this is how a filesystem says that it has no hard links.
-fn has_no_links(why: &io::Error) -> bool {
-    #[cfg(unix)]
-    {
-        use rustix::io::Errno;
-        let said = [Errno::PERM, Errno::NOSYS, Errno::OPNOTSUPP, Errno::NOTSUP, Errno::MLINK];
-        said.iter().any(|errno| why.raw_os_error() == Some(errno.raw_os_error()))
-    }
-    #[cfg(not(unix))]
-    {
-        why.kind() == io::ErrorKind::Unsupported
-    }
-}
-
-/// Renames a file unless the name is taken; then the error's kind is `AlreadyExists`.
-fn rename_without_replace(from: &Path, to: &Path) -> io::Result<()> {
-    #[cfg(target_os = "linux")]
-    {
-        use rustix::fs::{CWD, RenameFlags, renameat_with};
-        Ok(renameat_with(CWD, from, CWD, to, RenameFlags::NOREPLACE)?)
-    }
-    #[cfg(not(target_os = "linux"))]
-    {
-        let (_, _) = (from, to);
-        Err(io::Error::new(io::ErrorKind::Unsupported, "this filesystem has no hard links: use another one"))
-    }
-}
-
-/// Makes the names in a folder durable.
-pub(super) fn sync_folder(folder: &Path) -> Result<()> {
-    let folder = if folder == Path::new("") { Path::new(".") } else { folder };
-    File::open(folder).and_then(|f| f.sync_all()).map_err(Error::io("sync", folder))
-}
-
-/// Makes the names in a path's folder durable.
-pub(super) fn sync_folder_of(path: &Path) -> Result<()> {
-    sync_folder(path.parent().unwrap_or(Path::new("")))
 }
 
 /// Writes one file whole or not at all, in place of the file that is there. The folder must be there. What `write`
@@ -181,7 +146,9 @@ where
     W: FnOnce(&mut (dyn WriteSeek + '_)) -> Result<()>,
 {
     let path = path.as_ref();
-    let mut out = BufWriter::new(AtomicFile::create(path)?);
+    let above = path.parent().unwrap_or(Path::new(""));
+    let folder = Folder::open(above).map_err(Error::io("open the folder of", path))?;
+    let mut out = BufWriter::new(AtomicFile::create(Arc::new(folder), path, "")?);
     write(&mut out)?;
     let file = out.into_inner().map_err(|e| Error::io("write", path)(e.into_error()))?;
     file.commit(Naming::Replace).map(|_| ())
@@ -195,10 +162,13 @@ impl<T: Write + Seek + Send> WriteSeek for T {}
 #[cfg(test)]
 #[cfg(target_os = "linux")]
 mod tests {
+    use std::fs;
+
     use super::*;
 
     fn file(target: &Path, bytes: &[u8]) -> AtomicFile {
-        let mut file = AtomicFile::create(target).unwrap();
+        let folder = Folder::open(target.parent().unwrap()).unwrap();
+        let mut file = AtomicFile::create(Arc::new(folder), target, "").unwrap();
         file.write_all(bytes).unwrap();
         file
     }
@@ -207,7 +177,7 @@ mod tests {
     fn without_hard_links_the_first_one_wins_too() {
         let folder = tempfile::tempdir().unwrap();
         let target = folder.path().join("a");
-        let none = |_: &Path, _: &Path| Err(io::Error::from(rustix::io::Errno::PERM));
+        let none = |_: &Folder, _: &Path, _: &Path| Err(io::Error::from(rustix::io::Errno::PERM));
         assert_eq!(file(&target, b"first").take_name(none).unwrap(), Committed::Now);
         assert_eq!(file(&target, b"second").take_name(none).unwrap(), Committed::Already);
         assert_eq!(fs::read(&target).unwrap(), b"first");
@@ -217,7 +187,7 @@ mod tests {
     #[test]
     fn another_error_is_not_taken_for_a_lack_of_links() {
         let folder = tempfile::tempdir().unwrap();
-        let full = |_: &Path, _: &Path| Err(io::Error::from(rustix::io::Errno::NOSPC));
+        let full = |_: &Folder, _: &Path, _: &Path| Err(io::Error::from(rustix::io::Errno::NOSPC));
         assert!(file(&folder.path().join("a"), b"x").take_name(full).unwrap_err().is_disk_full());
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
     }
@@ -226,7 +196,8 @@ mod tests {
     fn a_link_that_is_done_but_answered_with_exists_has_won() {
         let folder = tempfile::tempdir().unwrap();
         let target = folder.path().join("a");
-        let lost_answer = |from: &Path, to: &Path| fs::hard_link(from, to).and_then(|()| fs::hard_link(from, to));
+        let lost_answer =
+            |folder: &Folder, from: &Path, to: &Path| folder.link(from, to).and_then(|()| folder.link(from, to));
         assert_eq!(file(&target, b"first").take_name(lost_answer).unwrap(), Committed::Now);
         assert_eq!(file(&target, b"second").take_name(lost_answer).unwrap(), Committed::Already);
         assert_eq!(fs::read(&target).unwrap(), b"first");

@@ -6,7 +6,7 @@ use std::io::ErrorKind;
 use super::store::Store;
 use crate::base::{Error, Result};
 
-/// The folder of corrupt files. Of several with one name the last is kept.
+/// The folder of corrupt files. All are kept: the second of a name ends in `.2`, and so on.
 pub(super) const CORRUPT: &str = "corrupt";
 
 /// What is wrong with an obstacle, in words.
@@ -14,29 +14,33 @@ pub(super) const OBSTACLE: &str = "is no file, but a folder, a link or a device"
 
 /// Moves a corrupt file or an obstacle, which may be gone by now, and gives its new name.
 pub(super) fn set_aside(store: &dyn Store, file: &str) -> Result<String> {
-    set_aside_as(store, file, &kept_as(file.rsplit('/').next().unwrap_or(file)))
+    set_aside_as(store, file, file.rsplit('/').next().unwrap_or(file))
 }
 
-/// The name under which a corrupt file is kept.
+/// Moves a corrupt file or an obstacle, which may be gone by now, to this name among the corrupt files, and gives its new name.
+pub(super) fn set_aside_as(store: &dyn Store, file: &str, name: &str) -> Result<String> {
+    let mut kept = kept_as(name);
+    for number in 2.. {
+        if store.size(&kept)?.is_none() && !store.is_obstructed(&kept)? {
+            break;
+        }
+        kept = kept_as(&format!("{name}.{number}"));
+    }
+    match store.rename(file, &kept) {
+        Ok(()) => Ok(kept),
+        // Another process has moved it.
+        Err(why) => unless_gone(why).map(|()| kept_as(name)),
+    }
+}
+
+/// The name under which the first corrupt file of a name is kept.
 pub(super) fn kept_as(name: &str) -> String {
     format!("{CORRUPT}/{name}")
 }
 
-/// Moves a corrupt file or an obstacle, which may be gone by now, to this name or, where an obstacle is in the way, to the
-/// next that is free, and gives the name.
-pub(super) fn set_aside_as(store: &dyn Store, file: &str, kept: &str) -> Result<String> {
-    let replaces = !store.is_obstructed(file)?;
-    let is_free =
-        |name: &str| -> Result<bool> { Ok(!store.is_obstructed(name)? && (replaces || store.size(name)?.is_none())) };
-    let mut name = kept.to_owned();
-    for number in 2.. {
-        if is_free(&name)? {
-            break;
-        }
-        name = format!("{kept}-{number}");
-    }
-    store.rename(file, &name).or_else(unless_gone)?;
-    Ok(name)
+/// Whether a file is a corrupt one that is kept.
+pub(super) fn is_kept(file: &str) -> bool {
+    file.split('/').next() == Some(CORRUPT)
 }
 
 /// Removes a file, which may be gone by now: another process may have found the same fault.

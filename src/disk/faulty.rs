@@ -190,6 +190,10 @@ impl Store for FaultyStore {
         self.step(folder, || self.inner.sync(folder))
     }
 
+    fn made(&self, name: &str) -> bool {
+        self.inner.made(name)
+    }
+
     fn sweep(&self) -> Result<Vec<String>> {
         self.inner.sweep()
     }

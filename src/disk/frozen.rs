@@ -83,8 +83,8 @@ impl<T: Serialize + DeserializeOwned> Frozen<T> {
         if let Some(damage) = &mut damage {
             // IMPORTANT: the last page goes first. Whenever this stops, the next try finds the same damage.
             for number in frozen.there()?.range(frozen.pages..).rev() {
-                let kept = corrupt::kept_as(&frozen.page(*number).replace('/', "-"));
-                damage.kept.insert(0, corrupt::set_aside_as(&*frozen.store, &frozen.page(*number), &kept)?);
+                let page = frozen.page(*number);
+                damage.kept.insert(0, corrupt::set_aside_as(&*frozen.store, &page, &page.replace('/', "-"))?);
             }
             frozen.store.sync(name)?;
         }

@@ -116,22 +116,15 @@ impl Ledger {
         Ok((Ledger { store, done: RwLock::new(done) }, findings))
     }
 
-    /// Removes rubbish and names it: temporary files, and those of `owned` that no unit record names. `owned` lists the
-    /// files that a run may leave and its folders, which end in `/`. Only the holder of the lock may sweep.
-    pub fn sweep(&self, owned: &[&str]) -> Result<Vec<String>> {
+    /// Removes rubbish and names it: temporary files, and files that an attempt at this run made and no unit record names.
+    /// Only the holder of the lock may sweep.
+    pub fn sweep(&self) -> Result<Vec<String>> {
         let mut swept = self.store.sweep()?;
-        let mut present = Vec::new();
-        for place in owned {
-            match place.strip_suffix('/') {
-                Some(folder) => present.extend(self.store.list(folder)?),
-                None if self.store.size(place)?.is_some() => present.push((*place).to_owned()),
-                None => {}
+        for name in self.store.list("")? {
+            if self.store.made(&name) && !corrupt::is_kept(&name) && !self.done().has_file(&name) {
+                corrupt::remove(&*self.store, &name)?;
+                swept.push(name);
             }
-        }
-        present.retain(|name| !self.done().has_file(name));
-        for name in present {
-            corrupt::remove(&*self.store, &name)?;
-            swept.push(name);
         }
         Ok(swept)
     }

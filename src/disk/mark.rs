@@ -1,13 +1,13 @@
 //! The mark of a run's folder: the first file there, with an id. A folder that holds anything else and no mark belongs to
-//! somebody else, and nothing in it is changed.
+//! somebody else, and nothing in it is changed. The id is a part of the names of the run's files.
 
-use std::fs;
-use std::io::{ErrorKind, Write};
+use std::io::{ErrorKind, Read, Write};
 use std::path::Path;
+use std::sync::Arc;
 
 use super::atomic::AtomicFile;
-use super::dir::{fresh_id, make_folders};
-use super::names::{Naming, TEMPORARY};
+use super::folder::Folder;
+use super::names::{Naming, TEMPORARY, fresh_id};
 use crate::base::{Error, Result};
 
 /// The name of the mark's file.
@@ -15,6 +15,9 @@ pub(crate) const MARK: &str = "gonio-run";
 
 /// How the mark's file begins; the id follows.
 const WORDS: &str = "The folder of a run of gonio. It removes here what it made and needs no more. Id ";
+
+/// The digits of an id.
+const DIGITS: usize = 16;
 
 /// The file in which an older gonio kept its units.
 const OLDER: &str = "manifest.json";
@@ -25,7 +28,7 @@ const SHOWN: usize = 3;
 /// Whose a folder is.
 #[derive(Debug, Clone, PartialEq, Eq)]
 enum Owner {
-    /// The folder is empty or not there.
+    /// The folder is empty.
     Nobody,
     /// The folder is a run's.
     Run,
@@ -38,33 +41,51 @@ enum Owner {
 /// # Errors
 /// The folder cannot be read.
 pub(crate) fn foreign(folder: &Path) -> Result<Option<String>> {
-    Ok(match owner(folder)? {
+    if folder == Path::new("") {
+        // No folder was named, which is told elsewhere.
+        return Ok(None);
+    }
+    let owner = match Folder::open(folder) {
+        Ok(opened) => owner(&opened).map_err(Error::io("list", folder))?,
+        Err(why) if why.kind() == ErrorKind::NotFound => Owner::Nobody,
+        Err(why) => return Err(Error::io("open folder", folder)(why)),
+    };
+    Ok(match owner {
         Owner::Other(names) => Some(described(&names)),
         Owner::Nobody | Owner::Run => None,
     })
 }
 
-/// Makes a folder a run's, unless it is one already.
+/// Makes a folder, which is at `path`, a run's, unless it is one already.
 ///
 /// # Errors
 /// The folder holds files of others.
-pub(super) fn take(folder: &Path) -> Result<()> {
-    match owner(folder)? {
+pub(super) fn take(folder: &Arc<Folder>, path: &Path) -> Result<()> {
+    match owner(folder).map_err(Error::io("list", path))? {
         Owner::Run => return Ok(()),
         Owner::Nobody => {}
         Owner::Other(names) => {
             return Err(Error::invalid(format!(
                 "{} {}: it is left alone; give this run a new or empty folder, as `[run] work = \"work/NAME\"`",
-                folder.display(),
+                path.display(),
                 described(&names)
             )));
         }
     }
-    make_folders(folder)?;
-    let mut mark = AtomicFile::create(&folder.join(MARK))?;
-    writeln!(mark, "{WORDS}{}", fresh_id()).map_err(Error::io("write", folder.join(MARK)))?;
+    let mut mark = AtomicFile::create(Arc::clone(folder), &path.join(MARK), "")?;
+    writeln!(mark, "{WORDS}{}", fresh_id()).map_err(Error::io("write", path.join(MARK)))?;
     // Where another process was faster, the folder has that one's mark.
     mark.commit(Naming::FirstWins).map(drop)
+}
+
+/// The id of the run whose folder this is; `None` if it is no run's.
+pub(super) fn id(folder: &Folder) -> Option<String> {
+    let mut text = String::new();
+    let most = WORDS.len() + DIGITS + 2;
+    folder.open_file(MARK).ok()?.take(most as u64).read_to_string(&mut text).ok()?;
+    let id = text.strip_prefix(WORDS)?.strip_suffix('\n')?;
+    let whole = id.len() == DIGITS && id.bytes().all(|byte| matches!(byte, b'0'..=b'9' | b'a'..=b'f'));
+    whole.then(|| id.to_owned())
 }
 
 /// The files of others in words.
@@ -80,31 +101,14 @@ fn described(names: &[String]) -> String {
     format!("holds {}{more}, which no run of gonio made there", shown.join(", "))
 }
 
-fn owner(folder: &Path) -> Result<Owner> {
-    let entries = match fs::read_dir(folder) {
-        Ok(entries) => entries,
-        Err(why) if why.kind() == ErrorKind::NotFound => return Ok(Owner::Nobody),
-        Err(why) => return Err(Error::io("list", folder)(why)),
-    };
-    let mut others = Vec::new();
-    for entry in entries {
-        let entry = entry.map_err(Error::io("list", folder))?;
-        let name = entry.file_name().to_string_lossy().into_owned();
-        // A process that was killed while it made the mark left this.
-        if !(name.starts_with(MARK) && name.ends_with(TEMPORARY)) {
-            others.push(name);
-        }
-    }
+fn owner(folder: &Folder) -> std::io::Result<Owner> {
+    let names = folder.entries()?.into_iter().map(|(name, _)| name);
+    // A process that was killed while it made the mark left a temporary file.
+    let mut others: Vec<String> = names.filter(|name| !(name.starts_with(MARK) && name.ends_with(TEMPORARY))).collect();
     // Asked after the listing: another process may have made the mark meanwhile, and its other files come after it.
-    if is_mark(&folder.join(MARK)) {
+    if id(folder).is_some() {
         return Ok(Owner::Run);
     }
     others.sort();
     Ok(if others.is_empty() { Owner::Nobody } else { Owner::Other(others) })
-}
-
-/// Whether a file is a mark: not a link to one, and no other file of that name.
-fn is_mark(path: &Path) -> bool {
-    fs::symlink_metadata(path).is_ok_and(|found| found.is_file() && found.len() < 1024)
-        && fs::read(path).is_ok_and(|bytes| bytes.starts_with(WORDS.as_bytes()))
 }

@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use super::names::{Committed, Naming, SCRATCH, check_name};
+use super::names::{Committed, Naming, SCRATCH, UNMARKED, check_name};
 use super::scratch::{Spool, Working};
 use super::store::{Content, Sink, Store};
 use crate::base::{Error, Result};
@@ -113,6 +113,10 @@ impl Store for MemStore {
         Ok(())
     }
 
+    fn made(&self, name: &str) -> bool {
+        name.contains(&format!(".{UNMARKED}-"))
+    }
+
     fn sweep(&self) -> Result<Vec<String>> {
         Ok(Vec::new())
     }
@@ -124,7 +128,8 @@ impl Store for MemStore {
     fn path(&self, name: &str) -> PathBuf {
         PathBuf::from("memory").join(name)
     }
+
     fn attempt(&self) -> &str {
-        "memory"
+        "none-memory"
     }
 }

@@ -8,10 +8,12 @@
 //!   whole (a table of materials) is replaced, by the same steps; whoever has the old file open keeps it.
 //! - **The first one wins.** Of two files that want one name, one gets it, in one step of the filesystem, and the other
 //!   is told so. Hence several processes may work on one run.
-//! - **The record comes last.** Files first, then the unit record that names them. What a run owns and no record names
-//!   is the rubbish of a broken run; the holder of [`Lock`] sweeps it. Nothing else is ever removed.
+//! - **The record comes last.** Files first, then the unit record that names them. A file whose name carries the run's id
+//!   and that no record names is the rubbish of a broken run; the holder of [`Lock`] sweeps it. Nothing else is removed.
 //! - **A folder that is not ours is never changed.** A run takes a folder that is empty or not there, and its first file is
 //!   the mark ([`mark`]). A folder that holds files and no mark is refused.
+//! - **No link is followed.** A run's folder is held open, and what is below it is named relative to it ([`folder`]). Where
+//!   a link, a pipe or a device has a file's name, it is refused.
 //! - **Scratch is never committed.** [`Scratch`] has a temporary name and goes when it is dropped.
 //! - **Nothing is trusted.** A file's size is checked when a run is opened, its bytes when it is read: sealed files by
 //!   their footer, others by their unit record's checksum. Names cannot leave the store. A folder, link or device under
@@ -23,6 +25,7 @@ pub(crate) mod dir;
 mod done;
 #[cfg(test)]
 pub(crate) mod faulty;
+mod folder;
 pub(crate) mod frozen;
 pub(crate) mod ledger;
 pub(crate) mod lock;

@@ -1,4 +1,6 @@
-//! The names of a store's files: which ones are allowed, and who gets one that two want.
+//! The names of a store's files: which ones are allowed, who gets one that two want, and the ids in them.
+
+use std::hash::{BuildHasher, RandomState};
 
 use crate::base::{Error, Result};
 
@@ -7,6 +9,9 @@ pub(crate) const TEMPORARY: &str = ".gonio-tmp";
 
 /// The start of the temporary names of scratch files.
 pub(crate) const SCRATCH: &str = "scratch";
+
+/// The id of a run whose folder has no mark.
+pub(super) const UNMARKED: &str = "none";
 
 /// The longest name of a file in a store, in bytes.
 const LONGEST_NAME: usize = 200;
@@ -46,4 +51,9 @@ pub(crate) fn check_name(name: &str) -> Result<()> {
         return refuse("it ends as temporary names do");
     }
     Ok(())
+}
+
+/// An id that nobody else has: 16 hexadecimal digits from the system's random numbers.
+pub(super) fn fresh_id() -> String {
+    format!("{:016x}", RandomState::new().hash_one(0))
 }

@@ -65,7 +65,10 @@ pub trait Store: fmt::Debug + Send + Sync {
     /// Makes all names in a folder durable, and the lack of those that were removed. A folder that is not there is empty.
     fn sync(&self, folder: &str) -> Result<()>;
 
-    /// Removes the temporary files that broken runs left, and names them. Nobody may be writing meanwhile.
+    /// Whether a file was made by an attempt at this run: its name carries the run's id.
+    fn made(&self, name: &str) -> bool;
+
+    /// Removes the temporary files that this run's broken attempts left, and names them. Nobody may be writing meanwhile.
     fn sweep(&self) -> Result<Vec<String>>;
 
     /// The bytes that may still be written into the store; `None` where the system does not say.
@@ -74,8 +77,8 @@ pub trait Store: fmt::Debug + Send + Sync {
     /// The name of a file in messages.
     fn path(&self, name: &str) -> PathBuf;
 
-    /// The short name of this attempt at the run, a part of the names of a unit's files: two processes that do the same
-    /// unit write different files.
+    /// The name of this attempt at the run, a part of the names of a unit's files: two processes that do the same unit
+    /// write different files. It begins with the run's id.
     fn attempt(&self) -> &str;
 
     /// Begins scratch, buffered.

@@ -59,6 +59,16 @@ impl Recipe {
         self
     }
 
+    /// Gives an ingredient this value, or takes it out.
+    #[must_use]
+    pub fn with_or_without(mut self, ingredient: impl Into<String>, value: Option<impl ToString>) -> Self {
+        match value {
+            Some(value) => self.ingredients.insert(ingredient.into(), value.to_string()),
+            None => self.ingredients.remove(&ingredient.into()),
+        };
+        self
+    }
+
     /// The phase that the unit belongs to.
     pub fn phase(&self) -> PhaseName {
         self.phase

@@ -28,7 +28,7 @@ pub struct Skipped {
 #[derive(Debug, Default)]
 pub struct Meter {
     name: String,
-    workers: usize,
+    workers: AtomicUsize,
     queue_bound: usize,
     total: Option<u64>,
     items_in: AtomicU64,
@@ -65,7 +65,7 @@ pub struct Reading {
 impl Meter {
     /// A meter at zero. `total` is the number of items that the stage will pass on, where it knows.
     pub fn new(name: &str, workers: usize, queue_bound: usize, total: Option<u64>) -> Self {
-        Meter { name: name.to_owned(), workers, queue_bound, total, ..Self::default() }
+        Meter { name: name.to_owned(), workers: AtomicUsize::new(workers), queue_bound, total, ..Self::default() }
     }
 
     /// The stage's name.
@@ -75,7 +75,7 @@ impl Meter {
 
     /// The number of its threads.
     pub fn workers(&self) -> usize {
-        self.workers
+        self.workers.load(Ordering::Relaxed)
     }
 
     /// The most items that its queue holds; 0 for a source, which has none.
@@ -118,6 +118,11 @@ impl Meter {
         let mut all = lock(&self.skipped).clone();
         all.sort();
         all
+    }
+
+    /// Takes one of the threads off: the system did not grant it.
+    pub(super) fn lacks_worker(&self) {
+        self.workers.fetch_sub(1, Ordering::Relaxed);
     }
 
     /// Counts an item taken, and notes the items that are left in the queue.

@@ -13,22 +13,27 @@
 //! - **Ends are announced.** A producer that is done says so; a channel that merely closes means that its producer died.
 //!   No fold finishes on half an input by mistake.
 //! - **Two ways to stop.** *Drain* (a first SIGINT): sources end early, the items in flight are folded, the fold finishes
-//!   with [`End::Drained`], and then the run returns `Error::Interrupted`. *Halt* (an error, a panic): every wait ends
-//!   at once, no fold finishes, all threads join, and the run returns the first cause.
+//!   with [`End::Drained`], and then the run returns `Error::Interrupted`. *Halt* (an error, a panic, a drain that took too
+//!   long): every wait ends at once, no fold finishes, all threads join, and the run returns the first cause.
+//! - **Few threads will do.** A map goes on with the workers that the system grants, if there is one; a stage without a thread
+//!   halts the run.
 //! - **Consequences are not causes.** A stage gets `Error::Interrupted` from a closed or halted neighbour, and passes it
 //!   on with `?`. Such an error stops the run but is never reported in place of the cause.
 //! - **A bad item is not an error.** It is skipped, with the reason and a command that replays it ([`Skipped`]).
 
 pub mod budget;
 mod channel;
+pub(crate) mod deadline;
 pub mod meter;
 mod mutex;
 mod order;
 pub mod pool;
 pub mod run;
 pub mod signal;
+pub(crate) mod spawn;
 pub mod stage;
 pub mod stop;
+mod wake;
 
 pub use budget::{Budget, Reservation};
 pub use meter::{Meter, Reading, Skipped};

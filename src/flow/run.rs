@@ -50,6 +50,7 @@ use super::channel::{self, Receiver, Sender};
 use super::meter::{Clock, Meter};
 use super::mutex::lock;
 use super::order::Order;
+use super::spawn;
 use super::stage::{End, Fold, Map, Outlet, Source};
 use super::stop::{Bomb, StopSignal};
 use crate::base::{Error, Result};
@@ -82,6 +83,17 @@ struct Task<'env> {
     stage: String,
     thread: String,
     body: Box<dyn FnOnce() -> Result<()> + Send + 'env>,
+    /// The thread's place among the workers of its stage. Without a first one, nothing works.
+    worker: usize,
+    /// What is done instead where the system does not grant the thread and others do its work.
+    absent: Box<dyn FnOnce() + Send + 'env>,
+}
+
+impl<'env> Task<'env> {
+    /// The one thread of a stage.
+    fn only(stage: String, body: impl FnOnce() -> Result<()> + Send + 'env) -> Self {
+        Task { thread: stage.clone(), stage, body: Box::new(body), worker: 0, absent: Box::new(|| ()) }
+    }
 }
 
 impl<'env, T: Send + 'env> Flow<'env, T> {
@@ -92,10 +104,7 @@ impl<'env, T: Send + 'env> Flow<'env, T> {
         let wiring =
             Wiring { stop: stop.clone(), cut: Arc::clone(&cut), meters: vec![Arc::clone(&meter)], tasks: Vec::new() };
         let (stop, stage) = (stop.clone(), name.to_owned());
-        let connect = move |sender| {
-            let body = move || run_source(source, sender, &meter, &stop, &cut);
-            vec![Task { thread: stage.clone(), stage, body: Box::new(body) }]
-        };
+        let connect = move |sender| vec![Task::only(stage, move || run_source(source, sender, &meter, &stop, &cut))];
         Flow { wiring, connect: Box::new(connect) }
     }
 
@@ -112,8 +121,14 @@ impl<'env, T: Send + 'env> Flow<'env, T> {
             (0..workers)
                 .map(|worker| {
                     let (shared, input, meter) = (Arc::clone(&shared), input.clone(), Arc::clone(&meter));
+                    let (others, lacking) = (Arc::clone(&shared), Arc::clone(&meter));
                     let body = move || run_worker(&shared.0, &shared.1, &input, &meter);
-                    Task { thread: format!("{stage}-{worker}"), stage: stage.clone(), body: Box::new(body) }
+                    let absent = move || {
+                        others.1.leave();
+                        lacking.lacks_worker();
+                    };
+                    let (thread, stage) = (format!("{stage}-{worker}"), stage.clone());
+                    Task { stage, thread, body: Box::new(body), worker, absent: Box::new(absent) }
                 })
                 .collect()
         };
@@ -133,7 +148,7 @@ impl<'env, T: Send + 'env> Flow<'env, T> {
             *lock(&slot) = Some(out);
             Ok(())
         };
-        wiring.tasks.push(Task { thread: stage.clone(), stage, body: Box::new(body) });
+        wiring.tasks.push(Task::only(stage, body));
         Ready { wiring, result }
     }
 
@@ -161,11 +176,18 @@ impl<R: Send> Ready<'_, R> {
     /// The first error of any stage; `Error::Panic` if one panicked; `Error::Interrupted` if the run was asked to stop
     /// and the source was cut short: then all items in flight have been folded and the fold has finished.
     pub fn run(self) -> Result<R> {
-        let Wiring { stop, cut, tasks, .. } = self.wiring;
+        let Wiring { stop, cut, mut tasks, .. } = self.wiring;
+        // Every stage gets its first thread before any gets another.
+        tasks.sort_by_key(|task| task.worker);
         thread::scope(|scope| {
-            for task in tasks {
-                let Task { stage, thread, body } = task;
-                let (inner, name) = (stop.clone(), thread.clone());
+            let mut all_granted = true;
+            for Task { stage, thread, body, worker, absent } in tasks {
+                let needed = worker == 0;
+                if !needed && !all_granted {
+                    absent();
+                    continue;
+                }
+                let inner = stop.clone();
                 let live = move || {
                     let bomb = Bomb::arm(&inner, &stage);
                     match catch_unwind(AssertUnwindSafe(body)) {
@@ -174,9 +196,13 @@ impl<R: Send> Ready<'_, R> {
                         Err(payload) => bomb.blow_panic(&*payload),
                     }
                 };
-                let started = thread::Builder::new().name(thread).spawn_scoped(scope, live);
-                if let Err(why) = started {
-                    stop.halt(Error::invalid(format!("cannot start thread {name}: {why}")));
+                match spawn::start(scope, &thread, needed, live) {
+                    Ok(()) => {}
+                    Err(why) if needed => stop.halt(spawn::refused(&thread, &why)),
+                    Err(_) => {
+                        all_granted = false;
+                        absent();
+                    }
                 }
             }
         });

@@ -1,18 +1,19 @@
 //! The stop of a run before its end: the shared signal, the first cause, and the bomb in every thread.
 
 use std::any::Any;
-use std::convert::Infallible;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 
 use crossbeam_channel::{Receiver, Sender, select_biased};
 
 use super::mutex::lock;
-use crate::base::{Error, Result};
+use super::wake::Wake;
+use crate::base::{Error, Result, guard};
 
 /// Stops a run in one of two ways; clones share it. The whole run has one, and a halt cannot be undone.
 ///
-/// Drain asks sources to end early, and the items in flight are finished. Halt ends every wait at once.
+/// Drain asks sources to end early, and the items in flight are finished. Halt ends every wait at once: that of one try of the
+/// run ([`halt`](StopSignal::halt)), or that of all of them ([`give_up`](StopSignal::give_up)).
 #[derive(Debug, Clone)]
 pub struct StopSignal(Arc<Shared>);
 
@@ -20,16 +21,14 @@ pub struct StopSignal(Arc<Shared>);
 struct Shared {
     /// In an `Arc` of its own: a signal handler may only set a flag.
     draining: Arc<AtomicBool>,
-    halted: AtomicBool,
+    given_up: Arc<Wake>,
+    halted: Wake,
     cause: Mutex<Option<Error>>,
-    /// Nothing is ever sent here. Dropping it closes `wake`, to which every wait listens.
-    awake: Mutex<Option<Sender<Infallible>>>,
-    wake: Receiver<Infallible>,
 }
 
 impl Default for StopSignal {
     fn default() -> Self {
-        StopSignal::drained_by(Arc::default())
+        StopSignal::with(Arc::default(), Arc::default())
     }
 }
 
@@ -39,20 +38,13 @@ impl StopSignal {
         Self::default()
     }
 
-    /// A signal for another try: not halted, and drained when this one is.
+    /// A signal for another try: not halted, drained when this one is, and given up when this one is.
     pub fn again(&self) -> StopSignal {
-        StopSignal::drained_by(self.drain_flag())
+        StopSignal::with(self.drain_flag(), Arc::clone(&self.0.given_up))
     }
 
-    fn drained_by(draining: Arc<AtomicBool>) -> StopSignal {
-        let (awake, wake) = crossbeam_channel::bounded(0);
-        StopSignal(Arc::new(Shared {
-            draining,
-            halted: AtomicBool::new(false),
-            cause: Mutex::new(None),
-            awake: Mutex::new(Some(awake)),
-            wake,
-        }))
+    fn with(draining: Arc<AtomicBool>, given_up: Arc<Wake>) -> StopSignal {
+        StopSignal(Arc::new(Shared { draining, given_up, halted: Wake::default(), cause: Mutex::new(None) }))
     }
 
     /// Asks sources to end; the items in flight are finished and committed.
@@ -71,13 +63,17 @@ impl StopSignal {
         if !why.is_interrupt() {
             lock(&self.0.cause).get_or_insert(why);
         }
-        self.0.halted.store(true, Ordering::SeqCst);
-        lock(&self.0.awake).take();
+        self.0.halted.happen();
+    }
+
+    /// Stops all stages of this try and of all others at once, without a cause: the run is interrupted.
+    pub fn give_up(&self) {
+        self.0.given_up.happen();
     }
 
     /// Whether all stages are to stop at once.
     pub fn halted(&self) -> bool {
-        self.0.halted.load(Ordering::SeqCst)
+        self.0.halted.happened() || self.0.given_up.happened()
     }
 
     /// The flag that a signal handler sets to drain.
@@ -93,7 +89,8 @@ impl StopSignal {
     /// Waits for a message: `None` when the channel has closed, an error when the run halts first.
     pub(super) fn recv<T>(&self, from: &Receiver<T>) -> Result<Option<T>> {
         select_biased! {
-            recv(self.0.wake) -> _ => Err(Error::Interrupted),
+            recv(self.0.halted.woken()) -> _ => Err(Error::Interrupted),
+            recv(self.0.given_up.woken()) -> _ => Err(Error::Interrupted),
             recv(from) -> got => Ok(got.ok()),
         }
     }
@@ -101,7 +98,8 @@ impl StopSignal {
     /// Waits for space and sends: an error when the channel has closed or the run halts first.
     pub(super) fn send<T>(&self, to: &Sender<T>, item: T) -> Result<()> {
         select_biased! {
-            recv(self.0.wake) -> _ => Err(Error::Interrupted),
+            recv(self.0.halted.woken()) -> _ => Err(Error::Interrupted),
+            recv(self.0.given_up.woken()) -> _ => Err(Error::Interrupted),
             send(to, item) -> sent => sent.map_err(|_| Error::Interrupted),
         }
     }
@@ -135,9 +133,7 @@ impl Bomb {
 
     /// The thread panicked.
     pub(super) fn blow_panic(self, payload: &(dyn Any + Send)) {
-        let words = payload.downcast_ref::<&str>().copied();
-        let words = words.or_else(|| payload.downcast_ref::<String>().map(String::as_str));
-        let why = Error::Panic { stage: self.stage.clone(), message: words.unwrap_or("without words").to_owned() };
+        let why = Error::Panic { stage: self.stage.clone(), message: guard::words(payload).to_owned() };
         self.blow(why);
     }
 }
@@ -168,13 +164,16 @@ mod tests {
     }
 
     #[test]
-    fn another_try_is_not_halted_but_still_drained() {
+    fn another_try_is_not_halted_but_still_drained_and_given_up() {
         let stop = StopSignal::new();
         stop.halt(Error::invalid("first"));
         let again = stop.again();
         assert!(!again.halted() && !again.draining() && again.take_cause().is_none());
         stop.drain();
         assert!(again.draining() && !again.halted());
+        let (_tx, rx) = crossbeam_channel::bounded::<u8>(0);
+        stop.give_up();
+        assert!(again.halted() && again.recv(&rx).is_err_and(|e| e.is_interrupt()) && again.take_cause().is_none());
     }
 
     #[test]

@@ -4,22 +4,18 @@
 //! ELF-64, System V ABI 4.1 "Object Files": the section table ends the file (`e_shoff`, `e_shentsize`, `e_shnum`), and
 //! every program header's `p_offset + p_filesz` lies within it.
 
-use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom};
 use std::path::Path;
 
-use crate::base::file;
+use crate::base::input::Input;
 
 /// Checks that a library's file is complete. Files of other systems' formats pass.
 pub(super) fn complete(path: &Path) -> Result<(), String> {
-    let metadata = path.metadata().map_err(|e| e.to_string())?;
-    if !metadata.is_file() {
-        return Err("it is no file".into());
-    }
-    let mut file = file::open(path).map_err(|e| e.to_string())?;
+    let mut file = Input::open(path).map_err(|e| e.to_string())?;
+    let length = file.length();
     match segments_end(&mut file) {
-        Ok(Some(end)) if end > metadata.len() => {
-            Err(format!("it is cut short: {} bytes of at least {end}; copy or install it again", metadata.len()))
+        Ok(Some(end)) if end > length => {
+            Err(format!("it is cut short: {length} bytes of at least {end}; copy or install it again"))
         }
         Ok(_) => Ok(()),
         Err(e) => Err(format!("it is no complete shared library: {e}")),
@@ -27,7 +23,7 @@ pub(super) fn complete(path: &Path) -> Result<(), String> {
 }
 
 /// The least length of a complete file, or `None` if the file is no ELF-64 file.
-fn segments_end(file: &mut File) -> io::Result<Option<u64>> {
+fn segments_end(file: &mut Input) -> io::Result<Option<u64>> {
     let mut header = [0u8; 64];
     let mut magic = 0;
     while magic < header.len() {
@@ -45,7 +41,7 @@ fn segments_end(file: &mut File) -> io::Result<Option<u64>> {
     let sections = u64_at(&header, 40).saturating_add(u16_at(&header, 58) * u16_at(&header, 60));
     let (start, size, count) = (u64_at(&header, 32), u16_at(&header, 54), u16_at(&header, 56));
     let mut end = sections.max(start.saturating_add(size * count));
-    if size < 56 || end > file.metadata()?.len() {
+    if size < 56 || end > file.length() {
         return Ok(Some(end.max(64)));
     }
     for i in 0..count {

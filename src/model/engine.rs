@@ -1,7 +1,6 @@
 //! An engine runs a network on one micro-batch of maps.
 
-use std::any::Any;
-use std::panic::{AssertUnwindSafe, catch_unwind};
+use crate::base::guard;
 
 /// A micro-batch, as a network takes it.
 #[derive(Clone, Copy)]
@@ -22,9 +21,14 @@ pub(super) trait Engine: Send {
 
 /// Runs an engine's code. Its panic becomes an error like any other.
 pub(super) fn guarded<T>(work: impl FnOnce() -> Result<T, String>) -> Result<T, String> {
-    let done = catch_unwind(AssertUnwindSafe(work));
+    let mut gave_up = true;
+    let done = guard::guarded(|| {
+        let done = work();
+        gave_up = false;
+        done
+    });
     clear_upper_halves();
-    done.unwrap_or_else(|panic| Err(format!("the engine gave up: {}", words(&*panic))))
+    done.map_err(|why| if gave_up { format!("the engine gave up: {why}") } else { why })
 }
 
 /// Marks the upper halves of the vector registers as unused. An engine may leave them in use, and threads that are spawned
@@ -39,9 +43,4 @@ fn clear_upper_halves() {
         // SAFETY: the processor has AVX, and no caller expects upper halves to outlive a call.
         unsafe { clear() };
     }
-}
-
-fn words(panic: &(dyn Any + Send)) -> &str {
-    let text = panic.downcast_ref::<String>().map(String::as_str);
-    text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("no reason given")
 }

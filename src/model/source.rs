@@ -4,8 +4,9 @@ use std::borrow::Cow;
 use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
 
+use crate::base::input::Input;
 use crate::base::units::Bytes;
-use crate::base::{Error, Result, file};
+use crate::base::{Error, Result};
 
 /// A model that is part of the binary.
 #[derive(Debug, PartialEq, Eq)]
@@ -52,7 +53,7 @@ impl ModelSource {
             ModelSource::BuiltIn(model) => return Ok(Cow::Borrowed(model.bytes)),
             ModelSource::File(path) => path,
         };
-        let file = file::open(path).map_err(|e| match e.kind() {
+        let file = Input::open(path).map_err(|e| match e.kind() {
             ErrorKind::NotFound => {
                 let names: Vec<&str> = BUILT_IN.iter().map(|m| m.name).collect();
                 Error::malformed(path, format!("no such model file; the built-in models are: {}", names.join(", ")))

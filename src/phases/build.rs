@@ -30,10 +30,6 @@ impl Phase for Build {
         PhaseName::Build
     }
 
-    fn owns(&self) -> Vec<String> {
-        vec![FOLDER.to_owned()]
-    }
-
     fn units(&self, known: &Known<'_>, _: &dyn Store, _: &Ledger) -> Result<Units> {
         let recipe = cache_recipe(known.surveyed()?.scene.mesh_key);
         Ok(Units { noun: "scene caches", all: vec![Unit::new(recipe)], extent: Extent::Exact })

@@ -27,7 +27,7 @@ pub(crate) struct Context<'a> {
     /// The memory that the run may hold.
     pub budget: Budget,
     /// What refuses a memory limit that cannot work, given the figures of the scene.
-    pub refuses: &'a dyn Fn(&Pipeline, &Facts) -> Result<()>,
+    pub refuses: &'a (dyn Fn(&Pipeline, &Facts) -> Result<()> + Sync),
     /// What is known of the scene.
     pub known: Known<'a>,
     /// What the run did so far.

@@ -41,8 +41,8 @@ impl Phase for Export {
         PhaseName::Export
     }
 
-    fn owns(&self) -> Vec<String> {
-        EXPORTERS.iter().flat_map(|exporter| exporter.files).map(|&file| file.to_owned()).collect()
+    fn outputs(&self) -> Vec<&'static str> {
+        EXPORTERS.iter().flat_map(|exporter| exporter.files).copied().collect()
     }
 
     fn units(&self, known: &Known<'_>, store: &dyn Store, ledger: &Ledger) -> Result<Units> {

@@ -65,8 +65,19 @@ impl<'a> Known<'a> {
         look: Look,
         store: &Arc<dyn Store>,
         ledger: &Ledger,
-        refuses: &dyn Fn(&Pipeline, &Facts) -> Result<()>,
+        refuses: &(dyn Fn(&Pipeline, &Facts) -> Result<()> + Sync),
     ) -> Result<&Surveyed> {
+        let surveyed = pool::share(self.pipeline.run.threads(), || self.survey(look, store, ledger, refuses))??;
+        Ok(self.surveyed.insert(surveyed))
+    }
+
+    fn survey(
+        &self,
+        look: Look,
+        store: &Arc<dyn Store>,
+        ledger: &Ledger,
+        refuses: &dyn Fn(&Pipeline, &Facts) -> Result<()>,
+    ) -> Result<Surveyed> {
         let pipeline = self.pipeline;
         let meshes = if look == Look::Explain { Meshes::Any } else { Meshes::Within { held: self.process } };
         let scene = match look {
@@ -99,7 +110,7 @@ impl<'a> Known<'a> {
             session: tried.session,
             seconds_per_map: tried.seconds_per_map,
             trial: None,
-            threads: pool::threads(pipeline.run.threads, pool::available()),
+            threads: pipeline.run.threads(),
         };
         let fits = refuses(pipeline, &facts);
         let casts = groups.all().iter().any(|group| !ledger.is_done(&group.recipe.unit()));
@@ -118,7 +129,7 @@ impl<'a> Known<'a> {
                 }
             }
         }
-        Ok(self.surveyed.insert(Surveyed { scene, groups, facts }))
+        Ok(Surveyed { scene, groups, facts })
     }
 
     fn try_frames(&self, scene: &LoadedScene, readable: &Readable) -> Result<Option<Trial>> {

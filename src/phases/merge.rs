@@ -31,8 +31,8 @@ impl Phase for Merge {
         PhaseName::Merge
     }
 
-    fn owns(&self) -> Vec<String> {
-        [MATERIALS, EVIDENCE].map(str::to_owned).to_vec()
+    fn outputs(&self) -> Vec<&'static str> {
+        vec![MATERIALS, EVIDENCE]
     }
 
     fn units(&self, known: &Known<'_>, store: &dyn Store, ledger: &Ledger) -> Result<Units> {

@@ -18,8 +18,8 @@ pub(crate) trait Phase: Sync {
     /// The phase's name.
     fn name(&self) -> PhaseName;
 
-    /// The names of the folders (with a `/` at the end) and files in the run's store that only this phase writes.
-    fn owns(&self) -> Vec<String> {
+    /// The files that people open, under names of their own. Every run holds them against their records.
+    fn outputs(&self) -> Vec<&'static str> {
         Vec::new()
     }
 

@@ -1,9 +1,13 @@
 //! The inputs of a run, read and prepared for casting. What is made of the mesh lies in the scene cache, and every command that
 //! finds one maps it.
 
+use std::sync::Arc;
+
 use super::cause::FORMAT;
 use crate::base::ids::FrameId;
+use crate::base::input::Input;
 use crate::base::key::{Key, KeyBuilder};
+use crate::base::patience::Patience;
 use crate::base::units::Bytes;
 use crate::base::{Error, PhaseName, Result};
 use crate::cache::{self, Cached};
@@ -82,8 +86,7 @@ impl LoadedScene {
     /// # Errors
     /// Inputs that cannot be read; a mesh that is in no cache and does not fit, before it is read; a damaged cache.
     pub(super) fn of_run(pipeline: &Pipeline, store: &dyn Store, ledger: &Ledger, meshes: Meshes) -> Result<Self> {
-        let mesh = Key::of_file(&pipeline.scene.mesh)?;
-        LoadedScene::with(pipeline, mesh, cached(store, ledger, mesh)?, meshes)
+        LoadedScene::with(pipeline, &|mesh| cached(store, ledger, mesh), meshes)
     }
 
     /// Reads mesh and poses to look at them. A damaged cache is passed over: the next run tells of it and makes it over.
@@ -91,8 +94,7 @@ impl LoadedScene {
     /// # Errors
     /// Inputs that cannot be read, a mesh that does not fit.
     pub fn read(pipeline: &Pipeline, store: &dyn Store, ledger: &Ledger, meshes: Meshes) -> Result<Self> {
-        let mesh = Key::of_file(&pipeline.scene.mesh)?;
-        LoadedScene::with(pipeline, mesh, cached(store, ledger, mesh).ok().flatten(), meshes)
+        LoadedScene::with(pipeline, &|mesh| Ok(cached(store, ledger, mesh).ok().flatten()), meshes)
     }
 
     /// The scene that a run will load, though its city may not have been made yet.
@@ -115,14 +117,21 @@ impl LoadedScene {
         }
     }
 
-    fn with(pipeline: &Pipeline, mesh_key: Key, cached: Option<Cached>, fitting: Meshes) -> Result<Self> {
-        let scene = &pipeline.scene;
+    fn with(pipeline: &Pipeline, cached: &dyn Fn(Key) -> Result<Option<Cached>>, fitting: Meshes) -> Result<Self> {
+        let (scene, patience) = (&pipeline.scene, Patience::default());
         let may = |bytes| fitting.check(pipeline.run.memory, bytes);
-        let (mesh, cached) = match cached {
-            Some(Cached { mesh, bvh, adjacency, degenerate }) => (mesh, Some(Prepared { bvh, adjacency, degenerate })),
-            None => (meshes::read(&scene.mesh, &may)?, None),
-        };
-        let frames = poses::read(scene.poses.format, &scene.poses.path)?;
+        let (mesh_key, mesh, cached) = patience.with(|| {
+            // IMPORTANT: the mesh is hashed and read from one descriptor, so that its key is that of what is cast.
+            let mut file = Input::open(&scene.mesh).map_err(Error::io("open", &scene.mesh))?;
+            let key = file.key().map_err(Error::io("read", &scene.mesh))?;
+            Ok(match cached(key)? {
+                Some(Cached { mesh, bvh, adjacency, degenerate }) => {
+                    (key, mesh, Some(Prepared { bvh, adjacency, degenerate }))
+                }
+                None => (key, meshes::read_from(&mut file, &may)?, None),
+            })
+        })?;
+        let frames = patience.with(|| poses::read(scene.poses.format, &scene.poses.path))?;
         Ok(LoadedScene { mesh, mesh_key, frames, cached })
     }
 
@@ -145,7 +154,7 @@ impl LoadedScene {
     }
 
     /// The stage that reads the frames. `replay` is the command that shows what one of them sees, but for its name.
-    pub fn decode<'a>(&'a self, pipeline: &'a Pipeline, replay: &'a str) -> Decode<'a> {
+    pub(crate) fn decode<'a>(&'a self, pipeline: &'a Pipeline, replay: &'a str) -> Decode<'a> {
         Decode {
             frames: &self.frames,
             images: &pipeline.scene.images,
@@ -153,6 +162,7 @@ impl LoadedScene {
             downscale: pipeline.decode.downscale,
             curve: pipeline.decode.curve(),
             replay,
+            patience: Arc::default(),
         }
     }
 

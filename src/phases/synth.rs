@@ -8,6 +8,7 @@ use super::takes::Takes;
 use super::units::{Unit, Units};
 use crate::base::{PhaseName, Result};
 use crate::disk::{Ledger, Store};
+use crate::flow::pool;
 use crate::pipeline::Pipeline;
 use crate::synth::city;
 
@@ -30,6 +31,7 @@ impl Phase for Synth {
 
     fn work(&self, run: &mut Context<'_>, _: &[Unit]) -> Result<()> {
         let Some(synth) = &run.pipeline.synth else { return Ok(()) };
-        city::generate_if_needed(&synth.into, &synth.city, &|| run.stop.draining()).map(drop)
+        let (threads, stop) = (run.pipeline.run.threads(), &run.stop);
+        pool::share(threads, || city::generate_if_needed(&synth.into, &synth.city, &|| stop.draining()))?.map(drop)
     }
 }

@@ -1,5 +1,6 @@
 //! From the text of a pipeline file to a [`Pipeline`]. All problems are found before any is reported.
 
+use std::ffi::OsString;
 use std::path::Path;
 
 use super::pipeline::Pipeline;
@@ -7,26 +8,23 @@ use super::run::Run;
 use super::scene::Scene;
 use super::sections::outermost;
 use super::synth::Synth;
-use crate::config::raw::{self, Node, Toml};
-use crate::config::{Document, Keys, Problem, Problems, Section, unknown};
+use crate::config::raw::{self, Toml};
+use crate::config::{Document, Faults, Keys, Problem, Problems, Section, unknown};
 use crate::stages::{infer, light};
 
 /// Reads a pipeline file, lays the `--set` arguments over it, and checks everything. Paths in the file are relative to its
 /// folder, paths in arguments to the current folder.
 ///
 /// # Errors
-/// All problems at once, sorted by position.
-pub fn load(path: &Path, sets: &[String]) -> Result<Pipeline, Problems> {
-    let faulty = |mut list: Vec<Problem>| {
-        list.sort();
-        Problems { file: path.to_owned(), list }
-    };
-    let mut root = raw::read(path).map_err(faulty)?;
-    let refused: Vec<Problem> = sets.iter().filter_map(|set| raw::set(&mut root, set).err()).collect();
+/// The first 50 problems at once, sorted by position, and the number of the others.
+pub fn load(path: &Path, sets: &[OsString]) -> Result<Pipeline, Problems> {
+    let mut root = raw::read(path).map_err(|faults| faults.of_file(path))?;
+    let mut refused = Faults::default();
+    sets.iter().filter_map(|set| raw::set(&mut root, set).err()).for_each(|problem| refused.add(problem));
     let document = Document::new(&root, path.parent().unwrap_or(Path::new("")), refused);
     let pipeline = read(&document, path);
-    let problems = document.into_problems();
-    if problems.is_empty() { Ok(pipeline) } else { Err(faulty(problems)) }
+    let faults = document.into_faults();
+    if faults.is_empty() { Ok(pipeline) } else { Err(faults.of_file(path)) }
 }
 
 fn read(document: &Document<'_>, file: &Path) -> Pipeline {
@@ -66,10 +64,9 @@ fn section<S: Section>(document: &Document<'_>) -> S {
 
 fn unknown_sections(document: &Document<'_>) {
     let known: Vec<&str> = outermost().map(|section| section.name).collect();
-    for (name, (position, Node { value, .. })) in document.root {
-        if known.contains(&name.as_str()) {
-            continue;
-        }
+    let entries = document.root.iter().filter(|(name, _)| !known.contains(&name.as_str()));
+    let others = entries.map(|(name, (position, node))| (position, (name, &node.value))).collect();
+    document.add_many(others, |(position, (name, value))| {
         let (rule, mut hint) = unknown(name, &known);
         if !matches!(value, Toml::Table(_))
             && let Some(home) = outermost().find(|section| section.key(name).is_some())
@@ -77,6 +74,6 @@ fn unknown_sections(document: &Document<'_>) {
             hint = Some(format!("`{name}` is a key of [{}]", home.name));
         }
         let problem = Problem { hint, ..Problem::new(format!("no such section; {rule}")) };
-        document.add(problem.at(position.clone(), name));
-    }
+        problem.at(position.clone(), name)
+    });
 }

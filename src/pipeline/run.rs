@@ -1,10 +1,12 @@
 //! Section `[run]`: where a run writes, and with how much it runs.
 
 use std::path::PathBuf;
+use std::time::Duration;
 
 use crate::base::units::Bytes;
 use crate::config::{Effect, Key, Keys, Leads, Problem, Section, Settings, Value};
 use crate::disk::mark;
+use crate::flow::pool;
 
 /// Section `[run]`.
 #[derive(Debug, Clone, PartialEq)]
@@ -13,12 +15,31 @@ pub struct Run {
     pub work: PathBuf,
     /// The memory that a run may hold.
     pub memory: Bytes,
-    /// Threads for the workers of all stages; 0 for as many as the machine has.
+    /// Threads of each stage's workers, and of work outside of stages; 0 for as many as the machine has.
     pub threads: usize,
+    /// Seconds that a drain may take before it becomes a halt.
+    pub grace: u64,
+    /// Whether all files from before are held against their records.
+    pub verify: bool,
 }
 
 /// The most threads that can be asked for.
 const THREADS: usize = 1024;
+
+/// The most seconds of grace that can be asked for: a day.
+const GRACE: u64 = 86_400;
+
+impl Run {
+    /// The threads that work is shared out among.
+    pub fn threads(&self) -> usize {
+        pool::threads(self.threads, pool::available())
+    }
+
+    /// The time that a drain may take before it becomes a halt.
+    pub fn grace(&self) -> Duration {
+        Duration::from_secs(self.grace)
+    }
+}
 
 impl Section for Run {
     const NAME: &'static str = "run";
@@ -37,8 +58,21 @@ impl Section for Run {
         },
         Key {
             name: "threads",
-            doc: "Threads, 0 for as many as the machine has. The result is the same for any number.",
+            doc: "Threads that each stage may have, and work outside of stages; 0 for as many as the machine has. Where the \
+                  system grants fewer, a run goes on with those. The result is the same for any number.",
             value: Value::Default("0"),
+        },
+        Key {
+            name: "grace",
+            doc: "Seconds that a run may take to finish what is in flight when it is told to stop, as by Ctrl-C, 0 to 86400. \
+                  Then it stops at once; what was committed stays.",
+            value: Value::Default("30"),
+        },
+        Key {
+            name: "verify",
+            doc: "Whether a run first holds all that it has from before against checksums, as `gonio verify` does, and does over \
+                  what is rotten. Tables and exports are held against theirs by every run, the rest when it is read.",
+            value: Value::Default("false"),
         },
     ];
 
@@ -54,14 +88,18 @@ impl Section for Run {
             work,
             memory: keys.parsed("memory", |text| text.parse().map_err(|_: String| size.to_owned())),
             threads: keys.within("threads", 0..=THREADS),
+            grace: keys.within("grace", 0..=GRACE),
+            verify: keys.value("verify"),
         }
     }
 
     fn settings(&self) -> Settings {
-        let Run { work, memory, threads } = self;
+        let Run { work, memory, threads, grace, verify } = self;
         Settings::of(Self::NAME)
             .with("work", work, Effect::Nothing)
             .with("memory", memory.to_string(), Effect::Nothing)
             .with("threads", threads, Effect::Nothing)
+            .with("grace", grace, Effect::Nothing)
+            .with("verify", verify, Effect::Nothing)
     }
 }

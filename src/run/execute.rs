@@ -9,7 +9,7 @@ use super::plan::{Plan, WORK};
 use crate::base::units::Bytes;
 use crate::base::{Error, PhaseName, Result, memory};
 use crate::disk::{DirStore, Finding, Findings, Ledger, Lock, Store, UnitName};
-use crate::flow::{Budget, Reservation, StopSignal};
+use crate::flow::{Budget, Reservation, StopSignal, pool};
 use crate::phases::{
     Context, Extent, Facts, Known, PHASES, Phase, PhaseReport, Progress, REPORT, Report, StageReport, Unit, UnitCount,
     remove_report, write_report,
@@ -21,9 +21,9 @@ use crate::pipeline::Pipeline;
 /// # Errors
 /// Whatever breaks the run; `Error::Interrupted` if it was asked to stop.
 pub fn run(pipeline: &Pipeline, stop: &StopSignal, progress: &Progress) -> Result<Report> {
-    let _lock = Lock::acquire(&pipeline.run.work)?;
-    let store: Arc<dyn Store> = Arc::new(DirStore::new(&pipeline.run.work));
-    run_phases(PHASES, store, pipeline, stop, progress)
+    let store = DirStore::new(&pipeline.run.work);
+    let _lock = Lock::acquire(&store)?;
+    run_phases(PHASES, Arc::new(store), pipeline, stop, progress)
 }
 
 /// Runs these phases on the store of the run's folder, which is locked: what no unit record names is swept first.
@@ -34,7 +34,8 @@ pub(super) fn run_phases(
     stop: &StopSignal,
     progress: &Progress,
 ) -> Result<Report> {
-    let ledger = Arc::new(opened(phases, &store, progress)?);
+    let threads = pipeline.run.threads();
+    let ledger = Arc::new(pool::share(threads, || opened(phases, &store, progress))??);
     repaired(phases, &store, &ledger, pipeline, stop, progress)
 }
 
@@ -46,11 +47,9 @@ fn opened(phases: &[&dyn Phase], store: &Arc<dyn Store>, progress: &Progress) ->
         let kept = kept.map_or_else(String::new, |kept| format!("; the corrupt file is now {kept}"));
         progress.note(format!("unit {unit} is done over: {why}{kept}"));
     }
-    let owned: Vec<String> = phases.iter().flat_map(|phase| phase.owns()).collect();
-    let owned: Vec<&str> = owned.iter().map(String::as_str).collect();
-    ledger.sweep(&owned)?;
-    let files = owned.iter().copied().filter(|place| !place.ends_with('/')).chain([REPORT]);
-    for kept in ledger.clear(&files.collect::<Vec<_>>())? {
+    ledger.sweep()?;
+    let outputs: Vec<&str> = phases.iter().flat_map(|phase| phase.outputs()).chain([REPORT]).collect();
+    for kept in ledger.clear(&outputs)? {
         progress.note(format!("a folder, a link or a device had the name of a file of the run's, and is now {kept}"));
     }
     Ok(ledger)
@@ -108,6 +107,11 @@ fn attempt(
     Ok(run.context.report)
 }
 
+/// Whether a run holds the files of a phase from before against their records: what people open always, the rest if asked.
+fn run_verifies(pipeline: &Pipeline, phase: &dyn Phase) -> bool {
+    pipeline.run.verify || !phase.outputs().is_empty()
+}
+
 /// A run under way.
 struct Run<'a, 'm> {
     phases: &'a [&'a dyn Phase],
@@ -146,7 +150,7 @@ impl Run<'_, '_> {
         let wanted: BTreeSet<_> = units.all.iter().map(|unit| unit.name).collect();
         let stale = run.ledger.of_phase(phase.name()).into_iter().filter(|unit| !wanted.contains(unit));
         let stale: Vec<UnitName> = stale.collect();
-        let (done, to_do): (Vec<Unit>, Vec<Unit>) =
+        let (before, to_do): (Vec<Unit>, Vec<Unit>) =
             units.all.iter().cloned().partition(|unit| run.ledger.is_done(&unit.name));
         if !stale.is_empty() || !to_do.is_empty() {
             remove_report(&*run.store)?;
@@ -156,8 +160,15 @@ impl Run<'_, '_> {
             self.timed(phase, &to_do)?;
         }
         // IMPORTANT: before anything is made of them.
-        self.mending.check(phase.name(), &done, &self.context.stop)?;
-        phase.tell(&mut self.context, &units, &to_do)
+        if run_verifies(self.context.pipeline, phase) {
+            self.mending.check(phase.name(), &before, &self.context.stop)?;
+        }
+        let run = &mut self.context;
+        // What was read may be other than what was there before, and then so is the unit.
+        let units = phase.units(&run.known, &*run.store, &run.ledger)?;
+        let is_done = |unit: &&Unit| to_do.iter().any(|begun| begun.recipe.what() == unit.recipe.what());
+        let done: Vec<Unit> = units.all.iter().filter(is_done).cloned().collect();
+        phase.tell(run, &units, &done)
     }
 
     fn timed(&mut self, phase: &dyn Phase, to_do: &[Unit]) -> Result<()> {
@@ -198,8 +209,13 @@ impl Run<'_, '_> {
         write_report(&*run.store, &run.report)
     }
 
-    /// The same error, and what to do where the disk is full.
+    /// The same error, and what to do where the disk is full or a file is too large for a limit.
     fn told_if_full(&self, why: Error) -> Error {
+        if why.is_file_too_large() {
+            let doing = "the system allows no file of that size (ulimit -f, or the disk's format): raise the limit, and the same \
+                         command goes on from here";
+            return why.doing(doing);
+        }
         if !why.is_disk_full() {
             return why;
         }

@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use crate::base::{PhaseName, Result};
 use crate::disk::{DirStore, Ledger, Store};
 use crate::disk::{Recipe, UnitName};
+use crate::flow::pool;
 use crate::phases::{Cause, Extent, Known, Look, PHASES, Phase, Unit, Units};
 use crate::pipeline::Pipeline;
 use std::sync::Arc;
@@ -48,7 +49,7 @@ pub fn explain(pipeline: &Pipeline) -> Result<Explanation> {
 
 pub(super) fn explain_phases(phases: &[&dyn Phase], pipeline: &Pipeline) -> Result<Explanation> {
     let store: Arc<dyn Store> = Arc::new(DirStore::new(&pipeline.run.work));
-    let (ledger, _) = Ledger::read(Arc::clone(&store))?;
+    let (ledger, _) = pool::share(pipeline.run.threads(), || Ledger::read(Arc::clone(&store)))??;
     let mut known = Known::new(pipeline)?;
     known.look(Look::Explain, &store, &ledger, &|_, _| Ok(()))?;
     let mut explanation = Explanation::default();

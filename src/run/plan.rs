@@ -10,6 +10,7 @@ use crate::base::units::Bytes;
 use crate::base::{Error, PhaseName, Result};
 use crate::disk::space::same_disk;
 use crate::disk::{DirStore, Ledger, MemStore, Space, Store};
+use crate::flow::pool;
 use crate::phases::{Facts, Known, Look, PHASES, Phase, Takes};
 use crate::pipeline::Pipeline;
 use crate::synth::city;
@@ -141,7 +142,8 @@ pub fn plan(pipeline: &Pipeline) -> Result<Foreseen> {
 pub(super) fn plan_phases(phases: &[&dyn Phase], pipeline: &Pipeline) -> Result<Foreseen> {
     let store: Arc<dyn Store> = Arc::new(DirStore::new(&pipeline.run.work));
     // Unit records that cannot be read are of no unit that is done: then all is still to be written.
-    let (ledger, _) = Ledger::read(Arc::clone(&store)).or_else(|_| Ledger::read(Arc::new(MemStore::new())))?;
+    let read = || Ledger::read(Arc::clone(&store)).or_else(|_| Ledger::read(Arc::new(MemStore::new())));
+    let (ledger, _) = pool::share(pipeline.run.threads(), read)??;
     let mut known = Known::new(pipeline)?;
     let refuses = |pipeline: &Pipeline, facts: &Facts| Plan::new(phases, pipeline, *facts).fits();
     let facts = known.look(Look::Plan, &store, &ledger, &refuses)?.facts;
@@ -181,7 +183,7 @@ mod tests {
     fn plan(facts: Facts, memory: u64) -> Plan {
         let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("pipelines/demo.toml");
         let set = format!("run.memory={memory}MiB");
-        Plan::new(PHASES, &crate::pipeline::load(&file, &[set]).unwrap(), facts)
+        Plan::new(PHASES, &crate::pipeline::load(&file, &[set.into()]).unwrap(), facts)
     }
 
     fn phase(plan: &Plan, name: PhaseName) -> &Takes {

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use crate::base::{Error, Result};
 use crate::codec::images::mask_path;
 use crate::disk::{DirStore, Held, Ledger, Recipe, Rotten, Store, UnitName, mark, verify as verify_units};
+use crate::flow::pool;
 use crate::phases::{
     Cause, FrameChange, FrameInput, Known, Look, PHASES, Phase, REPORT, Report, UnitCount, read_report,
 };
@@ -63,7 +64,7 @@ pub(super) fn verify_phases(
     inputs: bool,
 ) -> Result<Verified> {
     let before = report(&**store)?;
-    let (ledger, findings) = Ledger::read(Arc::clone(store))?;
+    let (ledger, findings) = pool::share(pipeline.run.threads(), || Ledger::read(Arc::clone(store)))??;
     // A run that goes on meanwhile removes the report, and writes another when it ends.
     let report = report(&**store)?.filter(|report| before.as_ref() == Some(report));
     let mut held = verify_units(&**store, &ledger, &findings)?;
@@ -186,7 +187,7 @@ fn place(cause: &Cause, pipeline: &Pipeline) -> PathBuf {
         Cause::Frame { frame, input: FrameInput::Image, .. } => scene.images.join(frame),
         Cause::Frame { frame, input: FrameInput::Mask, .. } => {
             let masks = scene.masks.clone().unwrap_or_default();
-            mask_path(&masks, frame).unwrap_or_else(|| masks.join(frame).with_extension("png"))
+            mask_path(&masks, frame).ok().flatten().unwrap_or_else(|| masks.join(frame).with_extension("png"))
         }
         Cause::Frame { .. } | Cause::FrameGone { .. } => scene.poses.path.clone(),
         Cause::Input { key } if key == "scene.mesh" => scene.mesh.clone(),

@@ -1,8 +1,8 @@
 //! Cast: a linear image becomes observations, one ray a pixel, tile by tile.
 
-use super::decode::Decoded;
+use super::decode::{Contents, Decoded};
 use crate::base::Result;
-use crate::base::ids::TriangleId;
+use crate::base::ids::{FrameId, TriangleId};
 use crate::config::{Effect, Key, Keys, Section, Settings, Value};
 use crate::flow::{Map, Outlet, Skipped};
 use crate::scene::Mesh;
@@ -46,8 +46,9 @@ impl Section for Config {
 pub(crate) struct Seen {
     /// The records of what the frame saw.
     pub rows: Result<FrameRecords, Skipped>,
-    /// Whether further pieces of the frame follow. The last piece has the counts below; the others have zeros.
-    pub more: bool,
+    /// The frame and what was read of it, with the frame's last piece. That piece has the counts below; the others have
+    /// zeros.
+    pub last: Option<(FrameId, Contents)>,
     /// Rays cast.
     pub rays: u64,
     /// Pixels that saw a triangle from the front and count.
@@ -132,23 +133,23 @@ impl Map for Cast<'_> {
     }
 
     fn apply(&self, scratch: &mut Scratch, decoded: Decoded, out: &mut Outlet<'_, Seen>) -> Result<()> {
-        let Decoded { frame, image } = decoded;
-        let last = Seen { rows: Ok(FrameRecords::default()), more: false, rays: 0, observations: 0 };
+        let Decoded { frame, contents, image } = decoded;
+        let last = Some((frame, contents));
         let (image, memory) = match image {
             Ok(image) => image,
-            Err(skipped) => return out.send(Seen { rows: Err(skipped), ..last }),
+            Err(skipped) => return out.send(Seen { rows: Err(skipped), last, rays: 0, observations: 0 }),
         };
         let posed = &self.frames[frame.index()];
         let view = View::new(posed.camera.down_scaled(self.downscale), &posed.pose, self.mesh);
         let (rows, observations) = self.rows(&view, view.tiles(self.tile), &image, scratch, |piece| {
             out.count_bytes(piece.bytes());
-            out.send(Seen { rows: Ok(piece), more: true, rays: 0, observations: 0 })
+            out.send(Seen { rows: Ok(piece), last: None, rays: 0, observations: 0 })
         })?;
         let rays = image.len() as u64;
         // Only the records wait for their turn.
         drop((image, memory));
         out.count_bytes(rows.bytes());
-        out.send(Seen { rows: Ok(rows), rays, observations, ..last })
+        out.send(Seen { rows: Ok(rows), last, rays, observations })
     }
 }
 

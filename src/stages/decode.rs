@@ -1,11 +1,14 @@
 //! Decode: an image file becomes linear radiance on the pixel grid that its pose was solved on.
 
-use std::path::Path;
+use std::fmt;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
-use crate::base::Result;
 use crate::base::convert::to_f32;
 use crate::base::ids::FrameId;
-use crate::codec::images::{self, Curve, Need, Size};
+use crate::base::patience::Patience;
+use crate::base::{Error, Result, key};
+use crate::codec::images::{self, Curve, Encoded, Need, Size};
 use crate::config::{Choice, Effect, Former, Key, Keys, Now, Problem, Section, Settings, Value, outside};
 use crate::flow::{Map, Outlet, Reservation, Skipped};
 use crate::scene::frame::{Frame, LinearImage};
@@ -107,25 +110,73 @@ impl Config {
     }
 }
 
+/// What was found under the name of an input file, as a recipe has it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Content {
+    /// Bytes with this key, whole or broken.
+    Bytes(key::Key),
+    /// Nothing that could be read: the next run tries again.
+    NotRead,
+    /// An image that does not fit under the limit.
+    TooLarge,
+}
+
+impl fmt::Display for Content {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Content::Bytes(key) => key.fmt(f),
+            Content::NotRead => f.write_str("not read"),
+            Content::TooLarge => f.write_str("too large"),
+        }
+    }
+}
+
+/// What was found under the names of a frame's files.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Contents {
+    /// The image.
+    pub image: Content,
+    /// The mask; `None` if there is none, or if the image's bytes were not read.
+    pub mask: Option<Content>,
+}
+
+impl Contents {
+    /// The contents of a frame whose image was not read for this reason.
+    pub(crate) fn without(image: Content) -> Contents {
+        Contents { image, mask: None }
+    }
+}
+
+/// A frame that is skipped: why, and what was found of its files.
+#[derive(Debug)]
+pub(crate) struct Unread {
+    /// What is told of the frame.
+    pub skipped: Skipped,
+    /// What was found.
+    pub contents: Contents,
+}
+
 /// A frame that may be read, or why it is skipped.
-pub struct Lent {
+pub(crate) struct Lent {
     /// The frame.
     pub frame: FrameId,
     /// The memory that reading the frame may take.
-    pub memory: Result<Reservation, Skipped>,
+    pub memory: Result<Reservation, Unread>,
 }
 
 /// A frame whose image has been read, or why it is skipped.
-pub struct Decoded {
+pub(crate) struct Decoded {
     /// The frame.
     pub frame: FrameId,
+    /// What was found under the names of the frame's files.
+    pub contents: Contents,
     /// The frame's pixels, and the memory that holds them.
     pub image: Result<(LinearImage, Reservation), Skipped>,
 }
 
 /// Reads images.
 #[derive(Clone)]
-pub struct Decode<'a> {
+pub(crate) struct Decode<'a> {
     /// All frames, sorted by name.
     pub frames: &'a [Frame],
     /// The folder of the images.
@@ -138,6 +189,8 @@ pub struct Decode<'a> {
     pub curve: Curve,
     /// The command that shows what one frame sees, but for the frame's name.
     pub replay: &'a str,
+    /// What is waited for where a file cannot be read.
+    pub(crate) patience: Arc<Patience>,
 }
 
 impl Decode<'_> {
@@ -145,20 +198,60 @@ impl Decode<'_> {
     ///
     /// # Errors
     /// A file that is missing, or has the header of another image.
-    pub fn need(&self, frame: &Frame) -> Result<Need> {
+    pub(crate) fn need(&self, frame: &Frame) -> Result<Need> {
         let size = self.size(frame);
         let image = images::need(&self.images.join(&frame.name), size)?;
-        self.masks.map_or(Ok(image), |masks| Ok(image.then(images::mask_need(masks, &frame.name, size)?)))
+        let mask = self.mask(frame)?.map(|mask| images::mask_need(&mask, size)).transpose()?;
+        Ok(image.then(mask.unwrap_or_default()))
     }
 
     /// Reads a frame's image and mask within this many bytes.
-    pub fn read(&self, frame: &Frame, memory: u64) -> Result<LinearImage> {
-        let size = self.size(frame);
-        let mut image = images::read_image(&self.images.join(&frame.name), size, &self.curve, memory)?;
-        if let Some(masks) = self.masks {
-            image.mask = images::read_mask(masks, &frame.name, size, memory.saturating_sub(image.bytes()))?;
+    pub(crate) fn read(&self, frame: &Frame, memory: u64) -> Result<LinearImage> {
+        self.read_with_contents(frame, memory).0
+    }
+
+    /// The same, and what was read: the result is that of these contents, whatever the files hold later.
+    fn read_with_contents(&self, frame: &Frame, memory: u64) -> (Result<LinearImage>, Contents) {
+        let (size, path) = (self.size(frame), self.images.join(&frame.name));
+        let encoded = match Encoded::read(&path, memory) {
+            Ok(encoded) => encoded,
+            Err(why) => return (Err(why), Contents::without(Content::NotRead)),
+        };
+        let mut contents = Contents::without(Content::Bytes(encoded.key));
+        let image = encoded.image(size, &self.curve, memory);
+        if image.as_ref().is_err_and(|why| !is_broken(why)) {
+            contents.image = Content::NotRead;
         }
-        Ok(image)
+        drop(encoded);
+        if contents.image == Content::NotRead {
+            return (image, contents);
+        }
+        let left = memory.saturating_sub(image.as_ref().map_or(0, LinearImage::bytes));
+        let mask = self.mask(frame).and_then(|path| match path {
+            Some(path) => {
+                let encoded = Encoded::read(&path, left)?;
+                contents.mask = Some(Content::Bytes(encoded.key));
+                encoded.mask(size, left).map(Some)
+            }
+            None => Ok(None),
+        });
+        if mask.as_ref().is_err_and(|why| !is_broken(why)) {
+            contents.mask = Some(Content::NotRead);
+        }
+        let both = image.and_then(|image| mask.map(|mask| LinearImage { mask, ..image }));
+        (both, contents)
+    }
+
+    /// The mask of a frame, if there is one.
+    fn mask(&self, frame: &Frame) -> Result<Option<PathBuf>> {
+        self.masks.map_or(Ok(None), |masks| images::mask_path(masks, &frame.name))
+    }
+
+    /// The bytes of a frame's image and mask, as far as the system tells.
+    pub(crate) fn bytes(&self, frame: &Frame) -> u64 {
+        let mask = self.mask(frame).unwrap_or_default();
+        let files = [Some(self.images.join(&frame.name)), mask];
+        files.iter().flatten().filter_map(|path| path.metadata().ok()).map(|found| found.len()).sum()
     }
 
     /// The size that a frame's image must have.
@@ -168,9 +261,19 @@ impl Decode<'_> {
     }
 }
 
+/// Whether it is a file's bytes that are wrong, and not that they could not be had.
+pub(crate) fn is_broken(why: &Error) -> bool {
+    why.malformed_file().is_some()
+}
+
 /// A frame that is skipped, with the reason and the command that tries the frame alone.
-pub(crate) fn skipped(frame: &Frame, why: impl ToString, replay: &str) -> Skipped {
-    Skipped { item: frame.name.clone(), why: why.to_string(), replay: format!("{replay} --frame {}", frame.name) }
+pub(crate) fn skipped(frame: &Frame, why: &str, replay: &str) -> Skipped {
+    Skipped { item: frame.name.clone(), why: why.to_owned(), replay: format!("{replay} --frame {}", frame.name) }
+}
+
+/// What is said of an input file that was not read.
+pub(crate) fn not_read(why: &Error) -> String {
+    format!("not read: {why}; the next run tries it again")
 }
 
 impl Map for Decode<'_> {
@@ -185,16 +288,29 @@ impl Map for Decode<'_> {
     fn apply(&self, _: &mut (), lent: Lent, out: &mut Outlet<'_, Decoded>) -> Result<()> {
         let Lent { frame, memory } = lent;
         let posed = &self.frames[frame.index()];
-        let image = memory.and_then(|mut memory| {
-            let image = self.read(posed, memory.bytes()).map_err(|why| skipped(posed, why, self.replay))?;
-            memory.shrink(memory.bytes().saturating_sub(image.bytes()));
-            Ok((image, memory))
-        });
+        let (image, contents) = match memory {
+            Ok(mut memory) => {
+                let mut contents = Contents::without(Content::NotRead);
+                let read = self.patience.with(|| {
+                    let (image, found) = self.read_with_contents(posed, memory.bytes());
+                    contents = found;
+                    image
+                });
+                let image = read.map_err(|why| {
+                    let why = if is_broken(&why) { why.to_string() } else { not_read(&why) };
+                    skipped(posed, &why, self.replay)
+                });
+                let held = image.as_ref().map_or(0, LinearImage::bytes);
+                memory.shrink(memory.bytes().saturating_sub(held));
+                (image.map(|image| (image, memory)), contents)
+            }
+            Err(unread) => (Err(unread.skipped), unread.contents),
+        };
         match &image {
             Ok((image, _)) => out.count_bytes(image.bytes()),
             Err(skipped) => out.skip(skipped.clone()),
         }
-        out.send(Decoded { frame, image })
+        out.send(Decoded { frame, contents, image })
     }
 }
 

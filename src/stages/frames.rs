@@ -4,12 +4,13 @@
 //! no more later; nor do the stages after it hold anything that depends on it. So every frame comes through whose memory is
 //! there while no other frame is under way.
 
-use super::decode::{Decode, Lent, skipped};
+use super::decode::{Content, Contents, Decode, Lent, Unread, is_broken, not_read, skipped};
 use super::gather::GroupFrames;
 use crate::base::Result;
 use crate::base::units::Bytes;
 use crate::codec::images::Need;
 use crate::flow::{Budget, Outlet, Source};
+use crate::scene::frame::Frame;
 
 /// Produces the frames of groups, group after group.
 pub(crate) struct Frames<'a> {
@@ -33,16 +34,34 @@ impl Source for Frames<'_> {
     fn run(self, out: &mut Outlet<'_, Lent>) -> Result<()> {
         for &frame in self.groups.iter().flat_map(|g| &g.frames) {
             let posed = &self.decode.frames[frame.index()];
-            let need = self.decode.need(posed).map_err(|why| why.to_string());
-            let memory = match need.and_then(|need| within(need, self.memory, self.budget.total())) {
+            let memory = match self.bytes(posed) {
                 Ok(bytes) => Ok(self.budget.reserve("frames", bytes)?),
-                Err(why) => Err(skipped(posed, why, self.decode.replay)),
+                Err((content, why)) => {
+                    let skipped = skipped(posed, &why, self.decode.replay);
+                    Err(Unread { skipped, contents: Contents::without(content) })
+                }
             };
             out.send(Lent { frame, memory })?;
         }
         Ok(())
     }
 }
+
+impl Frames<'_> {
+    /// The bytes that reading a frame takes, or why it is skipped.
+    fn bytes(&self, frame: &Frame) -> Result<u64, (Content, String)> {
+        let need = match self.decode.patience.with(|| self.decode.need(frame)) {
+            Ok(need) => need,
+            // What is wrong is found again in the bytes that are read, whose key is remembered.
+            Err(why) if is_broken(&why) => Need { peak: self.decode.bytes(frame) + HEADER, held: 0 },
+            Err(why) => return Err((Content::NotRead, not_read(&why))),
+        };
+        within(need, self.memory, self.budget.total()).map_err(|why| (Content::TooLarge, why))
+    }
+}
+
+/// The bytes that reading a broken header takes, beside those of the file.
+const HEADER: u64 = 1 << 20;
 
 /// The bytes to lend, or why there will never be that many.
 fn within(need: Need, memory: u64, limit: u64) -> Result<u64, String> {

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::Commit;
 use super::cast::Seen;
+use super::decode::Contents;
 use crate::base::ids::FrameId;
 use crate::base::{Error, Result};
 use crate::config::{Effect, Former, Key, Keys, Now, Section, Settings, Value};
@@ -46,11 +46,15 @@ impl Section for Config {
 /// Frames whose observations become one unit: segment, list of blocks, tally.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct GroupFrames {
-    /// All that the unit's bytes depend on.
+    /// All that the unit's bytes depend on, as far as it was known when the unit was begun.
     pub recipe: Recipe,
     /// The frames, ascending.
     pub frames: Vec<FrameId>,
 }
+
+/// Commits a group whose files are written, of what was read of its frames.
+pub(crate) type CommitGroup<'a> =
+    dyn Fn(&GroupFrames, &[(FrameId, Contents)], Vec<FileEntry>) -> Result<()> + Sync + 'a;
 
 /// Bytes that gathering takes at least where frames come in parts of this many bytes.
 pub(crate) fn least(part: u64) -> u64 {
@@ -108,11 +112,11 @@ pub(crate) struct Gather<'a> {
     groups: &'a [GroupFrames],
     store: Arc<dyn Store>,
     memory: Reservation,
-    commit: &'a Commit<'a>,
+    commit: &'a CommitGroup<'a>,
     /// The group that is being gathered, by its place among the groups.
     at: usize,
-    /// The frames of that group that have come.
-    taken: usize,
+    /// The frames of that group that have come, and what was read of them.
+    taken: Vec<(FrameId, Contents)>,
     rows: GroupRecords,
     /// The group's segments so far, each with its index, and how many were ever written.
     segments: Vec<(FileEntry, Vec<Entry>)>,
@@ -127,10 +131,10 @@ impl<'a> Gather<'a> {
         groups: &'a [GroupFrames],
         store: Arc<dyn Store>,
         memory: Reservation,
-        commit: &'a Commit<'a>,
+        commit: &'a CommitGroup<'a>,
     ) -> Self {
-        let (rows, segments, tally) = Default::default();
-        Gather { groups, store, memory, commit, at: 0, taken: 0, rows, segments, written: 0, tally }
+        let (taken, rows, segments, tally) = Default::default();
+        Gather { groups, store, memory, commit, at: 0, taken, rows, segments, written: 0, tally }
     }
 
     /// The name of a file of the group, which no other attempt at the group has.
@@ -195,8 +199,9 @@ impl<'a> Gather<'a> {
         let path = draft.path().to_owned();
         serde_json::to_writer(&mut draft, &tally).map_err(|e| Error::io("write", path)(e.into()))?;
         files.push(draft.commit()?);
-        (self.commit)(&group.recipe, files)?;
-        (self.at, self.taken, self.written) = (self.at + 1, 0, 0);
+        (self.commit)(group, &self.taken, files)?;
+        self.taken.clear();
+        (self.at, self.written) = (self.at + 1, 0);
         Ok(())
     }
 }
@@ -213,15 +218,13 @@ impl Fold for Gather<'_> {
                 if !self.rows.is_empty() && self.rows.bytes_with(&rows) > self.memory.bytes() {
                     self.spill(meter)?;
                 }
-                self.rows.add(rows, seen.more);
+                self.rows.add(rows, seen.last.is_none());
             }
             Err(skipped) => self.tally.skipped.push(skipped),
         }
-        if seen.more {
-            return Ok(());
-        }
-        self.taken += 1;
-        if self.taken == self.groups[self.at].frames.len() { self.end(meter) } else { Ok(()) }
+        let Some(last) = seen.last else { return Ok(()) };
+        self.taken.push(last);
+        if self.taken.len() == self.groups[self.at].frames.len() { self.end(meter) } else { Ok(()) }
     }
 
     fn finish(self, _: End, _: &Meter) -> Result<()> {
@@ -243,6 +246,7 @@ mod tests {
     use crate::flow::{Budget, StopSignal};
     use crate::scene::reflectance::BinSum;
     use crate::shard::{Accumulator, Segment, ShardMaps, collect_shard};
+    use crate::stages::decode::Content;
 
     #[test]
     fn groups_are_bounded() {
@@ -254,7 +258,11 @@ mod tests {
     fn seen(frame: u32, triangles: std::ops::Range<u32>) -> Seen {
         let mut rows = Accumulator::new(1 << 30);
         triangles.for_each(|t| rows.observe(TriangleId(t), (t + frame) as u16 % 50, BinSum::one([0.25; 3], false)));
-        Seen { rows: Ok(rows.finish()), more: false, rays: 1000, observations: 300 }
+        Seen { rows: Ok(rows.finish()), last: Some(read(frame)), rays: 1000, observations: 300 }
+    }
+
+    fn read(frame: u32) -> (FrameId, Contents) {
+        (FrameId(frame), Contents::without(Content::Bytes(crate::base::key::Key([frame as u8; 32]))))
     }
 
     fn group(frames: [u32; 2]) -> GroupFrames {
@@ -272,7 +280,10 @@ mod tests {
         let budget = Budget::new(Bytes(memory), &StopSignal::new());
         let memory = budget.reserve("gather", memory)?;
         let meter = Meter::new("gather", 1, 1, None);
-        let commit = |recipe: &Recipe, files| ledger.commit(recipe, files).map(drop);
+        let commit = |group: &GroupFrames, contents: &[(FrameId, Contents)], files| {
+            assert_eq!(contents, group.frames.iter().map(|id| read(id.0)).collect::<Vec<_>>());
+            ledger.commit(&group.recipe, files).map(drop)
+        };
         let mut fold = Gather::new(&groups, Arc::clone(&store), memory, &commit);
         for id in 0..3 {
             fold.take(seen(id, 0..300), &meter)?;
@@ -322,7 +333,7 @@ mod tests {
     #[test]
     fn a_skipped_frame_is_in_the_tally_of_its_group() {
         let why = Skipped { item: "d.jpg".into(), why: "torn".into(), replay: "gonio".into() };
-        let last = Seen { rows: Err(why.clone()), more: false, rays: 0, observations: 0 };
+        let last = Seen { rows: Err(why.clone()), last: Some(read(3)), rays: 0, observations: 0 };
         let (store, ledger) = gather(1 << 30, Some(last)).unwrap();
         let tally = read_tally(&*store, &ledger.files(&group([2, 3]).recipe.unit()).unwrap()).unwrap();
         assert_eq!((tally.frames, tally.rays, tally.records), (2, 1000, 300));

@@ -150,7 +150,7 @@ mod tests {
 
     fn open(store: &MemStore) -> Ledger {
         let (ledger, _) = Ledger::open(Arc::new(store.clone())).unwrap();
-        ledger.sweep(&[SHARDS]).unwrap();
+        ledger.sweep().unwrap();
         ledger
     }
 

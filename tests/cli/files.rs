@@ -25,6 +25,32 @@ pub fn city() -> TempDir {
     dir
 }
 
+/// A pipeline file for the city that runs within a second: it needs no network.
+pub const QUICK: &str = r#"
+[scene]
+mesh = "mesh.ply"
+images = "images"
+poses = { format = "colmap", path = "sparse/0" }
+[gather]
+group = 2
+[infer]
+estimator = "fit"
+[light]
+mode = "known"
+sun = [-0.456, -0.507, 0.731]
+[run]
+work = "work"
+memory = "1GiB"
+threads = 2
+"#;
+
+/// A folder with a city and [`QUICK`] as `p.toml`.
+pub fn quick() -> TempDir {
+    let dir = city();
+    fs::write(dir.path().join("p.toml"), QUICK).unwrap();
+    dir
+}
+
 /// The folder of pipeline files.
 pub fn pipelines() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("pipelines")

@@ -177,7 +177,8 @@ fn an_interrupted_run_commits_what_is_in_flight_and_goes_on() {
 fn a_second_run_on_the_same_folder_is_refused() {
     let dir = scene();
     let args = format!("run p.toml {SETS} --set run.work=work");
-    let lock = gonio::internals::disk::Lock::acquire(dir.path().join("work")).unwrap();
+    let store = gonio::internals::disk::DirStore::new(dir.path().join("work"));
+    let lock = gonio::internals::disk::Lock::acquire(&store).unwrap();
     let id = format!("in use by process {}", std::process::id());
     Ran::gonio(dir.path(), &args).ends(1).says(&id);
     drop(lock);

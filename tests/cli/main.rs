@@ -6,12 +6,23 @@
 mod budget;
 mod changes;
 mod files;
+mod floods;
 mod images;
 mod kills;
+#[cfg(target_os = "linux")]
+mod limits;
 mod lit;
+#[cfg(target_os = "linux")]
+mod names;
 mod ran;
 mod reduce;
 mod runs;
 mod spheres;
+#[cfg(unix)]
+mod stops;
+#[cfg(target_os = "linux")]
+mod streams;
+#[cfg(target_os = "linux")]
+mod threads;
 mod typed;
 mod verify;

@@ -18,6 +18,21 @@ impl Ran {
         Ran { command: format!("{command:?} in {}", folder.display()), output }
     }
 
+    /// Runs a script of the shell in a folder. `$GONIO` is the command.
+    #[cfg(unix)]
+    pub fn script(folder: &Path, script: &str) -> Ran {
+        let mut command = Command::new("sh");
+        command.current_dir(folder).args(["-c", script]).env("GONIO", env!("CARGO_BIN_EXE_gonio"));
+        let output = command.output().unwrap();
+        Ran { command: format!("{script}\nin {}", folder.display()), output }
+    }
+
+    /// The exit code; `None` where a signal ended the command.
+    #[cfg(unix)]
+    pub fn code(&self) -> Option<i32> {
+        self.output.status.code()
+    }
+
     pub fn stdout(&self) -> String {
         String::from_utf8_lossy(&self.output.stdout).into_owned()
     }

@@ -32,7 +32,10 @@ fn a_run_is_sound_until_something_rots_and_again_after_the_next_run() {
     flip(&work.join("export/scene.ply"));
     flip(&work.join("materials.npy"));
     let said = gonio(&dir, "verify p.toml");
-    said.ends(1).says("scene.ply (export ply): ").says("materials.npy (merge): ").says("2 rotten: `gonio run p.toml`");
+    said.ends(1)
+        .says("scene.ply (export ply): ")
+        .says("materials.npy (merge): ")
+        .says("2 rotten: `gonio run p.toml --set run.verify=true`");
     // Nothing was changed by looking.
     gonio(&dir, "verify p.toml").ends(1).says("2 rotten");
     gonio(&dir, "run p.toml").ends(0).says("corrupt/scene.ply").says("corrupt/materials.npy");

@@ -50,7 +50,7 @@ impl From<Space> for after::ColorSpace {
 pub(super) fn images(options: &Args) -> Answer {
     let compared = compare(&options.truth, &options.found, options.space.into())?;
     let text = if options.json { as_json(&compared, options.space) } else { as_table(&compared, options.space) };
-    out(&text);
+    out(&text)?;
     Ok(if compared.skipped.is_empty() { Ending::Done } else { Ending::Skipped })
 }
 

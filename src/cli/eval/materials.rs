@@ -50,7 +50,7 @@ pub(super) fn materials(options: &Args) -> Answer {
         ("mean radiance as kd, ks 0, r 0.5", compare(&truth, &diffuse_guess(&mean), &seen)?),
         ("training mean, 0.5 throughout", compare(&truth, &vec![TRAINING_MEAN; truth.len()], &seen)?),
     ];
-    out(&if options.json { as_json(&rows, sure) } else { as_table(&rows, sure, truth.len()) });
+    out(&if options.json { as_json(&rows, sure) } else { as_table(&rows, sure, truth.len()) })?;
     Ok(Ending::Done)
 }
 

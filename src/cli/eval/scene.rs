@@ -30,7 +30,7 @@ pub(crate) struct Args {
 /// Judges a finished run and shows the table.
 pub(super) fn scene(args: &Args) -> Answer {
     let judged = judge(&args.pipeline.load()?, &args.truth, args.frames)?;
-    out(&if args.json { as_json(&judged) } else { as_table(&judged, args.frames) });
+    out(&if args.json { as_json(&judged) } else { as_table(&judged, args.frames) })?;
     Ok(Ending::Done)
 }
 

@@ -1,6 +1,6 @@
 //! OpenEXR: the first layer that has R, G and B, on the grid of the display window, one block at a time.
 
-use std::io::{BufReader, Read, Seek};
+use std::io::{self, BufRead, ErrorKind, Read, Seek};
 
 use exr::error::Error;
 use exr::image::read::read;
@@ -27,9 +27,16 @@ impl Header {
     /// Reads the header.
     ///
     /// # Errors
-    /// In words: those of the decoder; a file without an RGB layer.
-    pub(super) fn read(file: &mut impl Read) -> Result<Header, String> {
-        let meta = MetaData::read_from_buffered(file, false).map_err(words)?;
+    /// The system's; `InvalidData` for those of the decoder and for a file without an RGB layer.
+    pub(super) fn read(file: &mut impl Read) -> io::Result<Header> {
+        let meta = MetaData::read_from_buffered(file, false).map_err(|why| match why {
+            Error::Io(why) => why,
+            why => io::Error::new(ErrorKind::InvalidData, words(why)),
+        })?;
+        Header::of(&meta).map_err(|found| io::Error::new(ErrorKind::InvalidData, found))
+    }
+
+    fn of(meta: &MetaData) -> Result<Header, String> {
         let has = |header: &exr::meta::header::Header, name: &str| {
             header.channels.find_index_of_channel(&Text::from(name)).is_some()
         };
@@ -50,10 +57,7 @@ impl Header {
 ///
 /// # Errors
 /// In words: those of the decoder.
-pub(super) fn decode<const CHANNELS: usize>(
-    file: BufReader<impl Read + Seek>,
-    header: &Header,
-) -> Result<Vec<f32>, String> {
+pub(super) fn decode<const CHANNELS: usize>(file: impl BufRead + Seek, header: &Header) -> Result<Vec<f32>, String> {
     let Header { size: Size { width, height }, offset, .. } = *header;
     let samples = CHANNELS * width as usize * height as usize;
     let image = read()

@@ -18,7 +18,7 @@ mod transfer;
 mod write;
 
 pub(crate) use need::Need;
-pub(crate) use read::{is_picture, mask_need, mask_path, read_mask, read_picture, size};
+pub(crate) use read::{Encoded, is_picture, mask_need, mask_path, read_picture, size};
 pub use read::{need, read_image};
 pub use size::Size;
 pub use transfer::{Curve, Transfer};

@@ -26,14 +26,14 @@ impl Need {
         Need { peak: 3 * pixels + pixels / 2 + SLACK, held: 3 * pixels }
     }
 
-    /// The need of a JPEG of this many bytes.
-    pub(super) fn of_jpeg(header: &jpeg::Header, length: u64, becomes: Becomes) -> Need {
+    /// The need of a JPEG, without its bytes.
+    pub(super) fn of_jpeg(header: &jpeg::Header, becomes: Becomes) -> Need {
         let pixels = header.size.pixels();
         let color = if header.channels == 1 { ColorType::L8 } else { ColorType::Rgb8 };
-        Need::of(length + pixels * header.channels + header.workspace, pixels, color, becomes)
+        Need::of(pixels * header.channels + header.workspace, pixels, color, becomes)
     }
 
-    /// The need of an EXR.
+    /// The need of an EXR, without its bytes.
     pub(super) fn of_exr(header: &exr::Header, becomes: Becomes) -> Need {
         let pixels = header.size.pixels();
         let masked = becomes == Becomes::Masked && header.alpha;
@@ -41,14 +41,14 @@ impl Need {
         Need::of(pixels * u64::from(color.bytes_per_pixel()) + header.workspace, pixels, color, becomes)
     }
 
-    /// The need of a PNG, whose rows are decoded in place.
+    /// The need of a PNG, without its bytes; its rows are decoded in place.
     pub(super) fn of_png(size: Size, color: ColorType, becomes: Becomes) -> Need {
         let rows = 4 * u64::from(size.width) * u64::from(color.bytes_per_pixel());
         let decoded = size.pixels() * u64::from(color.bytes_per_pixel());
         Need::of(decoded + rows + PNG_METADATA, size.pixels(), color, becomes)
     }
 
-    /// The need of a TIFF of this many bytes, which is decoded into a buffer and copied.
+    /// The need of a TIFF of this many bytes, without these; it is decoded into a buffer and copied.
     pub(super) fn of_tiff(size: Size, color: ColorType, length: u64, becomes: Becomes) -> Need {
         let decoded = size.pixels() * u64::from(color.bytes_per_pixel());
         // A strip or tile of a compressed TIFF may be the whole image, and is held once more.
@@ -58,7 +58,7 @@ impl Need {
         Need::of(buffer + decoded + strip + tiff_values(length, decoded), size.pixels(), color, becomes)
     }
 
-    /// The need of a Radiance HDR, whose rows are decoded in place.
+    /// The need of a Radiance HDR, without its bytes; its rows are decoded in place.
     pub(super) fn of_hdr(size: Size, becomes: Becomes) -> Need {
         Need::of(12 * size.pixels() + 16 * u64::from(size.width), size.pixels(), ColorType::Rgb32F, becomes)
     }

@@ -1,8 +1,9 @@
 //! Reads photographs and masks. The need of a file follows from its header, by the same rules before it is read and while
-//! it is read: a file that needs more memory than it was given is refused before a sample is decoded.
+//! it is read: a file that needs more memory than it was given is refused before a sample is decoded. A file is read once,
+//! as a whole ([`Encoded`]), and decoded from these bytes, whose key is that of the result.
 
-use std::fs::File;
-use std::io::{BufRead, BufReader, ErrorKind, Read, Seek};
+use std::fs;
+use std::io::{self, BufRead, BufReader, Cursor, ErrorKind, Read, Seek};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -13,20 +14,24 @@ use super::need::{Becomes, Need, PNG_METADATA, tiff_values};
 use super::size::Size;
 use super::transfer::Curve;
 use super::{exr, jpeg};
-use crate::base::convert::to_usize;
+use crate::base::input::Input;
+use crate::base::key::Key;
 use crate::base::units::Bytes;
-use crate::base::{Error, Result, file};
+use crate::base::{Error, Result};
 use crate::scene::frame::{LinearImage, Samples};
 
 /// The largest picture whose size is not known beforehand: a JPEG has no longer sides.
 const MOST: Size = Size { width: 65_535, height: 65_535 };
+
+/// The bytes of a file's start that formats are recognised by.
+const START: u64 = 64;
 
 /// The memory that reading a photograph of this size takes.
 ///
 /// # Errors
 /// No such file, an unknown format, a damaged header, another size.
 pub fn need(path: &Path, size: Size) -> Result<Need> {
-    Ok(Opened::new(path, Some(size), Becomes::Rgb)?.need)
+    Ok(Opened::at(path, Some(size), Becomes::Rgb)?.need)
 }
 
 /// Whether a file has the ending of a format that is read: .jpg, .jpeg, .png, .tif, .tiff, .exr or .hdr.
@@ -40,7 +45,7 @@ pub(crate) fn is_picture(path: &Path) -> bool {
 /// # Errors
 /// No such file, an unknown format, a damaged header, a larger one.
 pub(crate) fn size(path: &Path) -> Result<Size> {
-    Ok(Opened::new(path, None, Becomes::Rgb)?.size)
+    Ok(Opened::at(path, None, Becomes::Rgb)?.size)
 }
 
 /// Reads a photograph of this size, unmasked, within `memory` bytes.
@@ -48,7 +53,7 @@ pub(crate) fn size(path: &Path) -> Result<Size> {
 /// # Errors
 /// No such file, an unknown format, a damaged file, another size, a file that takes more memory.
 pub fn read_image(path: &Path, size: Size, curve: &Curve, memory: u64) -> Result<LinearImage> {
-    Ok(linear(Opened::new(path, Some(size), Becomes::Rgb)?.decode(memory)?, size, curve))
+    Encoded::read(path, memory)?.image(size, curve, memory)
 }
 
 /// Reads a picture of this size within `memory` bytes. Pixels are masked where alpha is 0; in an EXR with alpha, also
@@ -57,7 +62,8 @@ pub fn read_image(path: &Path, size: Size, curve: &Curve, memory: u64) -> Result
 /// # Errors
 /// Those of [`read_image`].
 pub(crate) fn read_picture(path: &Path, size: Size, curve: &Curve, memory: u64) -> Result<LinearImage> {
-    let decoded = Opened::new(path, Some(size), Becomes::Masked)?.decode(memory)?;
+    let encoded = Encoded::read(path, memory)?;
+    let decoded = encoded.open(size, Becomes::Masked)?.decode(memory)?;
     let mask = match &decoded {
         DynamicImage::ImageLumaA8(picture) => Some(opaque::<_, 2>(picture)),
         DynamicImage::ImageLumaA16(picture) => Some(opaque::<_, 2>(picture)),
@@ -89,66 +95,114 @@ fn linear(decoded: DynamicImage, size: Size, curve: &Curve) -> LinearImage {
 
 /// The mask of an image in a folder of masks: `NAME.png`, as COLMAP names it, or the image's name with the ending `.png`;
 /// `None` if there is neither file: every pixel counts.
-pub(crate) fn mask_path(masks: &Path, name: &str) -> Option<PathBuf> {
+///
+/// # Errors
+/// The system does not say whether there is one.
+pub(crate) fn mask_path(masks: &Path, name: &str) -> Result<Option<PathBuf>> {
     let appended = masks.join(format!("{name}.png"));
     let replaced = masks.join(name).with_extension("png");
-    [appended, replaced].into_iter().find(|path| path.is_file())
+    for path in [appended, replaced] {
+        match fs::metadata(&path) {
+            Ok(found) if found.is_dir() => {}
+            Ok(_) => return Ok(Some(path)),
+            Err(why) if matches!(why.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => {}
+            Err(why) => return Err(Error::io("look at", path)(why)),
+        }
+    }
+    Ok(None)
 }
 
-/// The memory that reading the mask of an image takes; none if there is no mask.
+/// The memory that reading a mask of this size takes.
 ///
 /// # Errors
 /// A damaged header, another size.
-pub(crate) fn mask_need(masks: &Path, name: &str, size: Size) -> Result<Need> {
-    mask_path(masks, name).map_or(Ok(Need::default()), |path| Ok(Opened::new(&path, Some(size), Becomes::Grey)?.need))
+pub(crate) fn mask_need(path: &Path, size: Size) -> Result<Need> {
+    Ok(Opened::at(path, Some(size), Becomes::Grey)?.need)
 }
 
-/// Reads the mask of an image of this size within `memory` bytes: 0 where a pixel is ignored, anything else where it
-/// counts.
-///
-/// # Errors
-/// A damaged file, another size, a file that takes more memory.
-pub(crate) fn read_mask(masks: &Path, name: &str, size: Size, memory: u64) -> Result<Option<Vec<u8>>> {
-    let Some(path) = mask_path(masks, name) else { return Ok(None) };
-    Ok(Some(Opened::new(&path, Some(size), Becomes::Grey)?.decode(memory)?.into_luma8().into_raw()))
+/// The bytes of an image file.
+pub(crate) struct Encoded<'a> {
+    path: &'a Path,
+    bytes: Vec<u8>,
+    /// The key of the bytes.
+    pub key: Key,
 }
 
-/// An image file whose header is read.
-struct Opened<'a> {
+impl<'a> Encoded<'a> {
+    /// Reads a file of at most `memory` bytes.
+    ///
+    /// # Errors
+    /// No such file, one that is changed while it is read, a longer one.
+    pub(crate) fn read(path: &'a Path, memory: u64) -> Result<Self> {
+        let file = Input::open(path).map_err(Error::io("open", path))?;
+        if file.length() > memory {
+            return Err(too_little(path, file.length(), memory));
+        }
+        let bytes = file.read_all().map_err(Error::io("read", path))?;
+        Ok(Encoded { path, key: Key::of_bytes(&bytes), bytes })
+    }
+
+    /// Decodes a photograph of this size, unmasked, within `memory` bytes, the file's own among them.
+    ///
+    /// # Errors
+    /// An unknown format, a damaged file, another size, a file that takes more memory.
+    pub(crate) fn image(&self, size: Size, curve: &Curve, memory: u64) -> Result<LinearImage> {
+        Ok(linear(self.open(size, Becomes::Rgb)?.decode(memory)?, size, curve))
+    }
+
+    /// Decodes a mask of this size: 0 where a pixel is ignored, anything else where it counts.
+    ///
+    /// # Errors
+    /// Those of [`Encoded::image`].
+    pub(crate) fn mask(&self, size: Size, memory: u64) -> Result<Vec<u8>> {
+        Ok(self.open(size, Becomes::Grey)?.decode(memory)?.into_luma8().into_raw())
+    }
+
+    fn open(&self, size: Size, becomes: Becomes) -> Result<Opened<'_, Cursor<&[u8]>>> {
+        Opened::new(Cursor::new(&self.bytes), self.bytes.len() as u64, self.path, Some(size), becomes)
+    }
+}
+
+/// An image whose header is read.
+struct Opened<'a, R> {
     path: &'a Path,
     size: Size,
     length: u64,
-    content: Content,
+    content: Content<'a, R>,
     becomes: Becomes,
     need: Need,
 }
 
-enum Content {
-    Jpeg(BufReader<File>, jpeg::Header),
-    Exr(BufReader<File>, exr::Header),
-    Other(Box<dyn ImageDecoder>, ImageFormat),
+enum Content<'a, R> {
+    Jpeg(R, jpeg::Header),
+    Exr(R, exr::Header),
+    Other(Box<dyn ImageDecoder + 'a>, ImageFormat),
 }
 
-impl<'a> Opened<'a> {
-    fn new(path: &'a Path, expected: Option<Size>, becomes: Becomes) -> Result<Self> {
+impl<'a> Opened<'a, BufReader<Input>> {
+    /// Reads the header of a file.
+    fn at(path: &'a Path, expected: Option<Size>, becomes: Becomes) -> Result<Self> {
+        let file = Input::open(path).map_err(Error::io("open", path))?;
+        let length = file.length();
+        Opened::new(BufReader::new(file), length, path, expected, becomes)
+    }
+}
+
+impl<'a, R: BufRead + Seek + 'a> Opened<'a, R> {
+    fn new(mut file: R, length: u64, path: &'a Path, expected: Option<Size>, becomes: Becomes) -> Result<Self> {
         let most = expected.unwrap_or(MOST);
-        let file = file::open(path).map_err(Error::io("open", path))?;
-        let length = file.metadata().map_err(Error::io("open", path))?.len();
-        let mut file = BufReader::new(file);
-        let start = file.fill_buf().map_err(Error::io("read", path))?;
-        let format = image::guess_format(start)
+        let mut start = Vec::new();
+        let read = file.by_ref().take(START).read_to_end(&mut start).and_then(|_| file.rewind());
+        read.map_err(Error::io("read", path))?;
+        let format = image::guess_format(&start)
             .map_err(|_| Error::malformed(path, "no image that gonio reads: JPEG, PNG, TIFF, EXR or HDR"))?;
         let (content, size) = match format {
             ImageFormat::Jpeg => {
-                let header = jpeg::Header::read(&mut file).map_err(|why| match why.kind() {
-                    ErrorKind::UnexpectedEof => Error::malformed(path, "the JPEG is cut short within its header"),
-                    ErrorKind::InvalidData => Error::malformed(path, why.to_string()),
-                    _ => Error::io("read", path)(why),
-                })?;
+                let header = jpeg::Header::read(&mut file).map_err(|why| torn(path, why))?;
                 (Content::Jpeg(file, header), header.size)
             }
             ImageFormat::OpenExr => {
-                let header = exr::Header::read(&mut file).map_err(|why| Error::malformed(path, why))?;
+                let header = exr::Header::read(&mut file).map_err(|why| torn(path, why))?;
                 (Content::Exr(file, header), header.size)
             }
             format => {
@@ -168,28 +222,29 @@ impl<'a> Opened<'a> {
         }
         // The size must be checked first: the bytes of an unchecked one could overflow.
         let need = match &content {
-            Content::Jpeg(_, header) => Need::of_jpeg(header, length, becomes),
+            Content::Jpeg(_, header) => Need::of_jpeg(header, becomes),
             Content::Exr(_, header) => Need::of_exr(header, becomes),
             Content::Other(decoder, ImageFormat::Png) => Need::of_png(size, decoder.color_type(), becomes),
             Content::Other(_, ImageFormat::Hdr) => Need::of_hdr(size, becomes),
             Content::Other(decoder, _) => Need::of_tiff(size, decoder.color_type(), length, becomes),
         };
-        Ok(Opened { path, size, length, content, becomes, need })
+        // The file's own bytes are held to the end.
+        Ok(Opened { path, size, length, content, becomes, need: Need { peak: length + need.peak, ..need } })
     }
+}
 
+impl Opened<'_, Cursor<&[u8]>> {
     fn decode(self, memory: u64) -> Result<DynamicImage> {
         let Opened { path, size, length, content, becomes, need } = self;
         if need.peak > memory {
-            let [needs, has] = [need.peak, memory].map(Bytes);
-            return Err(Error::malformed(path, format!("reading it takes {needs} of memory, and it was given {has}")));
+            return Err(too_little(path, need.peak, memory));
         }
         match content {
             Content::Jpeg(file, header) => {
-                let bytes = read_all(path, file, length)?;
-                jpeg::decode(bytes, &header).map_err(|why| Error::malformed(path, why))
+                jpeg::decode(file.into_inner(), &header).map_err(|why| Error::malformed(path, why))
             }
             Content::Exr(mut file, header) => {
-                file.rewind().map_err(Error::io("read", path))?;
+                file.set_position(0);
                 let picture = if becomes == Becomes::Masked && header.alpha {
                     let samples = exr::decode::<4>(file, &header).map_err(|why| Error::malformed(path, why))?;
                     image::Rgba32FImage::from_raw(size.width, size.height, samples).map(DynamicImage::from)
@@ -212,16 +267,10 @@ impl<'a> Opened<'a> {
     }
 }
 
-/// All bytes of a file, which must have the same length as when its header was read.
-fn read_all(path: &Path, mut file: BufReader<File>, length: u64) -> Result<Vec<u8>> {
-    file.rewind().map_err(Error::io("read", path))?;
-    // One byte more, so that the end is found without growing the vector.
-    let mut bytes = Vec::with_capacity(to_usize(length) + 1);
-    file.take(length + 1).read_to_end(&mut bytes).map_err(Error::io("read", path))?;
-    if bytes.len() as u64 != length {
-        return Err(Error::malformed(path, "its length changed while it was read"));
-    }
-    Ok(bytes)
+/// The error for a file that takes more memory than was set aside by its header.
+fn too_little(path: &Path, needs: u64, has: u64) -> Error {
+    let [needs, has] = [needs, has].map(Bytes);
+    Error::invalid(format!("{}: reading it takes {needs} of memory, and it was given {has}", path.display()))
 }
 
 fn limits(size: Size, bytes: u64) -> Limits {
@@ -235,9 +284,18 @@ fn too_large(path: &Path, most: Size) -> Error {
     Error::malformed(path, format!("it is larger than {most} pixels, the most that is expected"))
 }
 
+/// The error where a header or samples end early: the system's, if it is one, or else a fault of the file.
+fn torn(path: &Path, why: io::Error) -> Error {
+    if why.raw_os_error().is_some() {
+        return Error::io("read", path)(why);
+    }
+    let cut = why.kind() == ErrorKind::UnexpectedEof;
+    Error::malformed(path, if cut { "it is cut short".to_owned() } else { why.to_string() })
+}
+
 fn refused(path: &Path, most: Size, why: ImageError) -> Error {
     match why {
-        ImageError::IoError(why) if why.kind() != ErrorKind::UnexpectedEof => Error::io("read", path)(why),
+        ImageError::IoError(why) => torn(path, why),
         ImageError::Limits(limit) if matches!(limit.kind(), LimitErrorKind::DimensionError) => too_large(path, most),
         why => Error::malformed(path, why.to_string()),
     }

@@ -1,5 +1,5 @@
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use image::{DynamicImage, ImageFormat, Rgb, Rgb32FImage, RgbImage, Rgba, Rgba32FImage};
 
@@ -161,20 +161,24 @@ fn a_header_that_claims_more_than_the_camera_has_allocates_nothing() {
     assert!(size(&path).unwrap_err().to_string().contains("larger than 65535 x 65535 pixels"));
 }
 
+fn read_mask(folder: &Path, name: &str, size: Size) -> crate::base::Result<Option<Vec<u8>>> {
+    mask_path(folder, name)?.map(|path| Encoded::read(&path, PLENTY)?.mask(size, PLENTY)).transpose()
+}
+
 #[test]
 fn masks_are_found_by_either_name_and_ignore_what_is_zero() {
     let folder = tempfile::tempdir().unwrap();
     let mask = image::GrayImage::from_fn(6, 4, |x, _| image::Luma([if x == 2 { 0 } else { 7 }]));
-    assert_eq!(read_mask(folder.path(), "one.jpg", sized(6, 4), PLENTY).unwrap(), None);
+    assert_eq!(read_mask(folder.path(), "one.jpg", sized(6, 4)).unwrap(), None);
     for (name, file) in [("one.jpg", "one.jpg.png"), ("two.jpg", "two.png")] {
         mask.save_with_format(folder.path().join(file), ImageFormat::Png).unwrap();
-        let read = read_mask(folder.path(), name, sized(6, 4), PLENTY).unwrap().unwrap();
+        let read = read_mask(folder.path(), name, sized(6, 4)).unwrap().unwrap();
         assert_eq!((read[2], read[3]), (0, 7));
-        assert!(read_mask(folder.path(), name, sized(4, 6), PLENTY).is_err());
+        assert!(read_mask(folder.path(), name, sized(4, 6)).is_err());
     }
     let (_keep, path) = saved("p.png", &gradient().into());
     let mut image = read_image(&path, sized(6, 4), &linear(), PLENTY).unwrap();
-    image.mask = read_mask(folder.path(), "one.jpg", sized(6, 4), PLENTY).unwrap();
+    image.mask = read_mask(folder.path(), "one.jpg", sized(6, 4)).unwrap();
     assert!(image.pixel(2).is_none() && image.pixel(3).is_some());
 }
 

@@ -1,8 +1,7 @@
 //! What a mesh format is to the rest of gonio.
 
-use std::path::Path;
-
 use crate::base::Result;
+use crate::base::input::Input;
 use crate::scene::survey::Polygons;
 
 /// A format of triangle meshes that is read.
@@ -16,6 +15,7 @@ pub(crate) struct MeshFormat {
     /// fewer if the file has no more.
     pub begins: fn(&[u8]) -> bool,
     /// Tells every vertex and triangle, in the file's order. A mesh is read in two passes: this is called twice, so that
-    /// nothing but the mesh is held. Its errors name the position of a fault in the file.
-    pub tell: fn(&Path, &mut dyn Polygons) -> Result<()>,
+    /// nothing but the mesh is held, each time with the file at its first byte. Its errors name the position of a fault in
+    /// the file.
+    pub tell: fn(&mut Input, &mut dyn Polygons) -> Result<()>,
 }

@@ -1,13 +1,14 @@
 //! The list of mesh formats, and the choice among them by what a file holds rather than by its name.
 
-use std::io::Read;
+use std::io::{Read, Seek};
 use std::path::Path;
 
 use super::format::MeshFormat;
 use super::obj::OBJ;
 use super::ply::PLY;
 use super::two_passes;
-use crate::base::{Error, Result, file};
+use crate::base::input::Input;
+use crate::base::{Error, Result};
 use crate::scene::Mesh;
 
 /// Every mesh format that gonio reads.
@@ -22,19 +23,28 @@ const START: u64 = 64;
 /// # Errors
 /// A file that cannot be read, that is of no known format, or that is damaged; the answer of `may`.
 pub fn read(path: &Path, may: &dyn Fn(u64) -> Result<()>) -> Result<Mesh> {
-    read_one_of(FORMATS, path, may)
+    read_from(&mut Input::open(path).map_err(Error::io("open", path))?, may)
 }
 
-fn read_one_of(formats: &[&MeshFormat], path: &Path, may: &dyn Fn(u64) -> Result<()>) -> Result<Mesh> {
+/// Reads a mesh from a file that is open.
+///
+/// # Errors
+/// Those of [`read`]; a file that was changed since it was opened.
+pub(crate) fn read_from(file: &mut Input, may: &dyn Fn(u64) -> Result<()>) -> Result<Mesh> {
+    read_one_of(FORMATS, file, may)
+}
+
+fn read_one_of(formats: &[&MeshFormat], file: &mut Input, may: &dyn Fn(u64) -> Result<()>) -> Result<Mesh> {
+    let path = file.path().to_owned();
     let mut start = Vec::new();
-    let file = file::open(path).map_err(Error::io("open", path))?;
-    file.take(START).read_to_end(&mut start).map_err(Error::io("read", path))?;
+    let read = file.rewind().and_then(|()| file.take(START).read_to_end(&mut start));
+    read.map_err(Error::io("read", &path))?;
     let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
     let named = |format: &MeshFormat| format.endings.iter().any(|known| ending == *known);
     let found =
         formats.iter().find(|format| (format.begins)(&start)).or_else(|| formats.iter().find(|format| named(format)));
     match found {
-        Some(format) => two_passes::read(format, path, may),
+        Some(format) => two_passes::read(format, file, may),
         None => Err(Error::malformed(path, format!("not a mesh that gonio reads: {}", known(formats)))),
     }
 }
@@ -87,10 +97,11 @@ mod tests {
         name: "Same",
         endings: &["same", "sm"],
         begins: |start| start.starts_with(b"triangles"),
-        tell: |path, to| {
-            let text = std::fs::read_to_string(path).map_err(Error::io("read", path))?;
+        tell: |file, to| {
+            let mut text = String::new();
+            file.read_to_string(&mut text).map_err(Error::io("read", file.path()))?;
             let count = text.strip_prefix("triangles ").and_then(|count| count.parse().ok());
-            let count: u32 = count.ok_or_else(|| Error::malformed(path, "no count"))?;
+            let count: u32 = count.ok_or_else(|| Error::malformed(file.path(), "no count"))?;
             [DVec3::ZERO, DVec3::X, DVec3::Y].into_iter().for_each(|at| to.vertex(at));
             (0..count).for_each(|_| to.triangle([0, 1, 2]));
             Ok(())
@@ -103,7 +114,7 @@ mod tests {
         let read = |name: &str, text: &str, may: &dyn Fn(u64) -> Result<()>| {
             let path = dir.path().join(name);
             std::fs::write(&path, text).unwrap();
-            let mesh = read_one_of(&[&PLY, &SAME, &OBJ], &path, may);
+            let mesh = read_one_of(&[&PLY, &SAME, &OBJ], &mut Input::open(&path).unwrap(), may);
             mesh.map(|mesh| mesh.len()).map_err(|why| why.to_string())
         };
         let any = |_| Ok(());

@@ -5,14 +5,14 @@
 //! - All objects and groups are one mesh. A face of n corners becomes a fan of n - 2 triangles around its first corner.
 //! - A backslash at the end of a line continues it. Every other statement (normals, materials, lines) is passed over.
 
-use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 
 use glam::DVec3;
 
 use super::format::MeshFormat;
-use crate::base::{Error, Result, file};
+use crate::base::input::Input;
+use crate::base::{Error, Result};
 use crate::scene::survey::Polygons;
 
 /// Wavefront OBJ. Any text may begin such a file: its name decides.
@@ -21,8 +21,8 @@ pub(crate) const OBJ: MeshFormat = MeshFormat { name: "OBJ", endings: &["obj"], 
 /// The most bytes of a statement: a file of another format must not be gathered as one line.
 const LONGEST: u64 = 1 << 20;
 
-fn tell(path: &Path, to: &mut dyn Polygons) -> Result<()> {
-    let file = file::open(path).map_err(Error::io("open", path))?;
+fn tell(file: &mut Input, to: &mut dyn Polygons) -> Result<()> {
+    let path = &file.path().to_owned();
     let mut told = Told { to, vertices: 0, faces: 0 };
     let mut lines = Lines { reader: BufReader::with_capacity(1 << 18, file), number: 0 };
     let mut statement = Vec::new();
@@ -104,8 +104,8 @@ fn shortened(word: &str) -> String {
 }
 
 /// The statements of a file.
-struct Lines {
-    reader: BufReader<File>,
+struct Lines<'a> {
+    reader: BufReader<&'a mut Input>,
     number: u64,
 }
 
@@ -126,7 +126,7 @@ impl Torn {
     }
 }
 
-impl Lines {
+impl Lines<'_> {
     /// Reads the next statement in place of the last; gives the number of the line that it begins in.
     fn next(&mut self, statement: &mut Vec<u8>) -> Result<Option<u64>, Torn> {
         statement.clear();
@@ -159,7 +159,7 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("a.obj");
         std::fs::write(&path, text).unwrap();
-        two_passes::read(&OBJ, &path, &|_| Ok(()))
+        two_passes::read(&OBJ, &mut Input::open(&path).unwrap(), &|_| Ok(()))
     }
 
     fn refusal(text: &str) -> String {

@@ -52,11 +52,32 @@ fn a_place_that_cannot_be_is_named() {
 
 #[cfg(unix)]
 #[test]
-fn a_device_stays_one() {
+fn what_is_no_file_is_not_replaced() {
+    use std::os::unix::fs::symlink;
     let folder = tempfile::tempdir().unwrap();
-    let place = folder.path().join("null");
-    std::os::unix::fs::symlink("/dev/null", &place).unwrap();
-    let why = write_atomic(&place, |_| Ok(())).unwrap_err().to_string();
-    assert!(why.contains("is not a file"), "{why}");
-    assert!(fs::symlink_metadata(&place).unwrap().is_symlink());
+    let at = |name: &str| folder.path().join(name);
+    fs::write(at("photo.jpg"), "precious").unwrap();
+    symlink("/dev/null", at("null")).unwrap();
+    symlink(at("photo.jpg"), at("link")).unwrap();
+    symlink(at("nothing"), at("dangling")).unwrap();
+    fs::create_dir(at("folder")).unwrap();
+    rustix::fs::mknodat(rustix::fs::CWD, at("pipe"), rustix::fs::FileType::Fifo, rustix::fs::Mode::RWXU, 0).unwrap();
+    for name in ["null", "link", "dangling", "folder", "pipe"] {
+        let before = fs::symlink_metadata(at(name)).unwrap().file_type();
+        let why = write_atomic(at(name), |_| Ok(())).unwrap_err().to_string();
+        assert!(
+            why.contains("is not a file but a link, a folder or a device, so no file is put in its place"),
+            "{why}"
+        );
+        assert_eq!(fs::symlink_metadata(at(name)).unwrap().file_type(), before, "{name}");
+        // It may also come while the file is being written.
+        let late = write_atomic(at("late"), |_| {
+            fs::rename(at(name), at("late")).unwrap();
+            Ok(())
+        });
+        assert!(late.is_err(), "{name}");
+        fs::rename(at("late"), at(name)).unwrap();
+    }
+    assert_eq!(fs::read(at("photo.jpg")).unwrap(), b"precious");
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 6, "nothing is left behind");
 }

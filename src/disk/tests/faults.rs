@@ -4,7 +4,7 @@
 use std::io::{ErrorKind, Write};
 use std::sync::Arc;
 
-use super::ledger::{OWNED, build, cast, open, two_units, units};
+use super::ledger::{build, cast, open, two_units, units};
 use super::mangle;
 use crate::base::{Error, Result};
 use crate::disk::faulty::{Fault, FaultyStore};
@@ -35,8 +35,7 @@ fn at_each_step(
             assert!(findings.is_empty(), "{fault:?} at step {at}: {findings:?}");
             check(&inner, &ledger, done);
             let named: Vec<_> = units(&ledger).into_iter().flat_map(|(_, files)| files).collect();
-            let folders = OWNED.iter().filter_map(|owned| owned.strip_suffix('/'));
-            let present: Vec<_> = folders.flat_map(|folder| inner.list(folder).unwrap()).collect();
+            let present = inner.list("segments").unwrap();
             assert!(present.iter().all(|name| named.contains(name)), "{fault:?} at step {at}: {present:?}");
             assert!(open(&inner).1.is_empty() && inner.sweep().unwrap().is_empty());
             if done {
@@ -54,7 +53,7 @@ fn memory() -> Arc<dyn Store> {
 
 fn commit(store: &Arc<dyn Store>) -> Result<()> {
     let ledger = Ledger::read(Arc::clone(store))?.0;
-    let mut draft = store.create("segments/c.seg")?;
+    let mut draft = store.create("segments/c.none-1.seg")?;
     draft.write_all(b"c").map_err(Error::io("write", "c"))?;
     let file = draft.commit()?;
     let committed = ledger.commit(&cast(2), vec![file]);
@@ -100,12 +99,12 @@ fn a_unit_is_forgotten_whole_or_not_at_all() {
 fn a_unit_is_set_aside_whole_or_not_at_all() {
     let set_aside = |store: &Arc<dyn Store>| {
         let ledger = Ledger::read(Arc::clone(store))?.0;
-        ledger.set_aside(&store.path("segments/a.seg")).map(drop)
+        ledger.set_aside(&store.path("segments/a.none-1.seg")).map(drop)
     };
     let check = |store: &Arc<dyn Store>, ledger: &Ledger, done: bool| {
         assert!(ledger.is_done(&build().unit()));
         assert_eq!(done && !ledger.is_done(&cast(1).unit()), done);
-        assert!(!done || store.size("corrupt/a.seg").unwrap().is_some());
+        assert!(!done || store.size("corrupt/a.none-1.seg").unwrap().is_some());
     };
     assert_eq!(at_each_step(memory, set_aside, check), 4);
 }
@@ -117,13 +116,17 @@ fn mending_may_stop_at_any_step_and_is_mended() {
             let inner = memory();
             two_units(&inner).commit(&cast(2), vec![]).unwrap();
             mangle(&*inner, &file_of(&cast(2).unit()), b"{");
-            inner.remove("segments/a.seg").unwrap();
+            inner.remove("segments/a.none-1.seg").unwrap();
             let faulty = Arc::new(FaultyStore::new(Arc::clone(&inner), at, fault));
             let opened = Ledger::open(Arc::clone(&faulty) as _);
             let done = faulty.steps() <= at;
             assert_eq!(opened.is_ok(), done, "{fault:?} at step {at}");
             let (ledger, _, _) = open(&inner);
-            assert_eq!(units(&ledger), [(build().unit(), vec!["scene.cache".to_owned()])], "{fault:?} at step {at}");
+            assert_eq!(
+                units(&ledger),
+                [(build().unit(), vec!["scene.none-1.cache".to_owned()])],
+                "{fault:?} at step {at}"
+            );
             assert!(inner.list("segments").unwrap().is_empty());
             assert!(open(&inner).1.is_empty());
             if done {

@@ -10,12 +10,10 @@ use crate::disk::Recipe;
 use crate::disk::unit_record::{UnitRecord, file_of};
 use crate::disk::{Committed, FileEntry, Findings, Ledger, MemStore, Store, UnitName};
 
-pub(super) const OWNED: [&str; 2] = ["segments/", "scene.cache"];
-
 /// Opens the ledger as a run does, and sweeps: what was found, and the names of what was swept.
 pub(super) fn open(store: &Arc<dyn Store>) -> (Ledger, Findings, Vec<String>) {
     let (ledger, findings) = Ledger::open(Arc::clone(store)).unwrap();
-    let swept = ledger.sweep(&OWNED).unwrap();
+    let swept = ledger.sweep().unwrap();
     (ledger, findings, swept)
 }
 
@@ -31,9 +29,9 @@ pub(super) fn build() -> Recipe {
 pub(super) fn two_units(store: &Arc<dyn Store>) -> Ledger {
     let (ledger, findings, _) = open(store);
     assert!(findings.is_empty() && ledger.is_empty());
-    let files = vec![put(&**store, "segments/a.seg", b"aa"), put(&**store, "segments/b.seg", b"")];
+    let files = vec![put(&**store, "segments/a.none-1.seg", b"aa"), put(&**store, "segments/b.none-1.seg", b"")];
     assert_eq!(ledger.commit(&cast(1), files).unwrap(), Committed::Now);
-    let files = vec![put(&**store, "scene.cache", b"cache")];
+    let files = vec![put(&**store, "scene.none-1.cache", b"cache")];
     assert_eq!(ledger.commit(&build(), files).unwrap(), Committed::Now);
     ledger
 }
@@ -69,7 +67,7 @@ fn what_is_committed_is_told() {
             let files = ledger.files(&cast(1).unit()).unwrap();
             assert_eq!(
                 (files[0].name.as_str(), files[0].bytes, files[0].checksum),
-                ("segments/a.seg", 2, Key::of_bytes(b"aa"))
+                ("segments/a.none-1.seg", 2, Key::of_bytes(b"aa"))
             );
             assert_eq!(files.len(), 2);
             assert!(ledger.files(&cast(3).unit()).is_none());
@@ -98,52 +96,57 @@ fn what_is_named_survives_and_the_rest_is_swept() {
         let done = units(&two_units(&store));
         for round in 0..10 {
             // As a run leaves it that is killed after its files and before its record.
-            put(&*store, "segments/c.seg", &[round]);
-            put(&*store, "segments/deep/d.seg", b"d");
-            let _draft = store.create("segments/e.seg").unwrap();
+            put(&*store, "segments/c.none-1.seg", &[round]);
+            put(&*store, "segments/deep/d.none-1.seg", b"d");
+            let _draft = store.create("segments/e.none-1.seg").unwrap();
             mangle(&*store, "photo.jpg", b"the user's own");
             let (ledger, findings, swept) = open(&store);
             assert_eq!(units(&ledger), done);
             assert!(findings.is_empty());
             let committed = swept.iter().filter(|name| name.ends_with(".seg")).collect::<Vec<_>>();
-            assert_eq!(committed, ["segments/c.seg", "segments/deep/d.seg"]);
+            assert_eq!(committed, ["segments/c.none-1.seg", "segments/deep/d.none-1.seg"]);
             let (build, cast) = (record(&build()), record(&cast(1)));
-            let kept = ["photo.jpg", "scene.cache", "segments/a.seg", "segments/b.seg", &build, &cast];
+            let kept =
+                ["photo.jpg", "scene.none-1.cache", "segments/a.none-1.seg", "segments/b.none-1.seg", &build, &cast];
             assert_eq!(store.list("").unwrap(), kept);
         }
     });
 }
 
 #[test]
-fn an_unnamed_single_file_is_swept_too() {
+fn only_what_carries_the_runs_id_is_swept() {
     on_each_store(|store| {
-        put(&*store, "scene.cache", b"made, but never named");
-        assert_eq!(open(&store).2, ["scene.cache"]);
+        put(&*store, "scene.none-1.cache", b"made, but never named");
+        let others =
+            ["a.other-1.seg", "corrupt/a.none-1.seg", "export/scene.ply", "segments/a.seg", "segments/none-1.seg"];
+        others.iter().for_each(|name| drop(put(&*store, name, b"somebody's")));
+        assert_eq!(open(&store).2, ["scene.none-1.cache"]);
+        assert_eq!(store.list("").unwrap(), others);
     });
 }
 
 #[test]
 fn units_with_missing_files_are_lost_and_named() {
     on_each_store(|store| {
-        two_units(&store).commit(&cast(2), vec![put(&*store, "segments/c.seg", b"c")]).unwrap();
-        store.remove("segments/b.seg").unwrap();
-        mangle(&*store, "scene.cache", b"longer than it was");
+        two_units(&store).commit(&cast(2), vec![put(&*store, "segments/c.none-1.seg", b"c")]).unwrap();
+        store.remove("segments/b.none-1.seg").unwrap();
+        mangle(&*store, "scene.none-1.cache", b"longer than it was");
         let before = store.list("").unwrap();
         let lost = [
-            (build().unit(), "scene.cache has 18 bytes instead of 5"),
-            (cast(1).unit(), "segments/b.seg is not there"),
+            (build().unit(), "scene.none-1.cache has 18 bytes instead of 5"),
+            (cast(1).unit(), "segments/b.none-1.seg is not there"),
         ];
         let (read, findings) = Ledger::read(Arc::clone(&store)).unwrap();
         assert_eq!((read.len(), why(&findings.lost)), (1, lost.to_vec()));
         assert_eq!(store.list("").unwrap(), before, "reading changes nothing");
 
         let (ledger, findings, swept) = open(&store);
-        assert_eq!(units(&ledger), [(cast(2).unit(), vec!["segments/c.seg".to_owned()])]);
+        assert_eq!(units(&ledger), [(cast(2).unit(), vec!["segments/c.none-1.seg".to_owned()])]);
         assert_eq!((why(&findings.lost), findings.corrupt.len()), (lost.to_vec(), 0));
-        assert_eq!(findings.lost[0].kept.as_deref(), Some("corrupt/scene.cache"));
+        assert_eq!(findings.lost[0].kept.as_deref(), Some("corrupt/scene.none-1.cache"));
         assert_eq!(findings.lost[1].kept, None);
-        assert_eq!(&*store.open("corrupt/scene.cache").unwrap(), b"longer than it was");
-        assert_eq!(store.list("").unwrap(), ["corrupt/scene.cache", "segments/c.seg", &record(&cast(2))]);
+        assert_eq!(&*store.open("corrupt/scene.none-1.cache").unwrap(), b"longer than it was");
+        assert_eq!(store.list("").unwrap(), ["corrupt/scene.none-1.cache", "segments/c.none-1.seg", &record(&cast(2))]);
         assert!(swept.is_empty() && open(&store).1.is_empty(), "it is reported once");
     });
 }
@@ -158,7 +161,7 @@ fn every_truncation_and_every_flipped_bit_costs_that_unit_alone() {
     let check = |bytes: &[u8], what: String| {
         mangle(&*store, &name, bytes);
         let (ledger, findings) = Ledger::read(Arc::clone(&store)).unwrap();
-        assert_eq!(units(&ledger), [(build().unit(), vec!["scene.cache".to_owned()])], "{what}");
+        assert_eq!(units(&ledger), [(build().unit(), vec!["scene.none-1.cache".to_owned()])], "{what}");
         let found = findings.corrupt.iter().map(|finding| finding.unit).collect::<Vec<_>>();
         assert_eq!((found, findings.lost.len()), (vec![cast(1).unit()], 0), "{what}");
         assert!(ledger.recipe(&cast(1).unit()).unwrap_err().malformed_file().is_some());
@@ -180,15 +183,15 @@ fn a_corrupt_record_is_named_and_set_aside() {
             two_units(&store);
             mangle(&*store, &record(&cast(1)), garbage);
             let (ledger, findings, swept) = open(&store);
-            assert_eq!(units(&ledger), [(build().unit(), vec!["scene.cache".to_owned()])]);
+            assert_eq!(units(&ledger), [(build().unit(), vec!["scene.none-1.cache".to_owned()])]);
             let [found] = &findings.corrupt[..] else { panic!("{findings:?}") };
             assert!(found.unit == cast(1).unit() && found.why.contains("unit record"), "{found:?}");
             let kept = format!("corrupt/{}.json", cast(1).unit());
             assert_eq!(found.kept.as_deref(), Some(kept.as_str()));
             assert_eq!(&*store.open(&kept).unwrap(), garbage);
-            assert_eq!(swept, ["segments/a.seg", "segments/b.seg"]);
+            assert_eq!(swept, ["segments/a.none-1.seg", "segments/b.none-1.seg"]);
             assert!(open(&store).1.is_empty(), "it is reported once");
-            let files = vec![put(&*store, "segments/a.seg", b"again")];
+            let files = vec![put(&*store, "segments/a.none-1.seg", b"again")];
             assert_eq!(ledger.commit(&cast(1), files).unwrap(), Committed::Now);
             assert!(open(&store).0.is_done(&cast(1).unit()));
         });
@@ -215,7 +218,7 @@ fn another_version_is_refused_and_nothing_changes() {
 fn a_unit_is_committed_only_with_its_files() {
     on_each_store(|store| {
         let ledger = two_units(&store);
-        let seg = put(&*store, "segments/c.seg", b"c");
+        let seg = put(&*store, "segments/c.none-1.seg", b"c");
         let other = |change: &dyn Fn(&mut FileEntry)| {
             let mut entry = seg.clone();
             change(&mut entry);
@@ -224,12 +227,12 @@ fn a_unit_is_committed_only_with_its_files() {
         let before = store.list("").unwrap();
         let refused = [
             (other(&|f| f.bytes = 2), "has 1 bytes instead of 2"),
-            (other(&|f| f.name = "segments/x.seg".into()), "segments/x.seg is not there"),
+            (other(&|f| f.name = "segments/x.none-1.seg".into()), "segments/x.none-1.seg is not there"),
             (other(&|f| f.name = "../x".into()), "cannot name a file of a run"),
             (other(&|f| f.name = record(&build())), "is in a folder that no unit may write to"),
             (other(&|f| f.name = "corrupt/x".into()), "is in a folder that no unit may write to"),
-            (vec![seg.clone(), seg.clone()], "segments/c.seg is named twice"),
-            (ledger.files(&build().unit()).unwrap().to_vec(), "file scene.cache belongs to unit build-"),
+            (vec![seg.clone(), seg.clone()], "segments/c.none-1.seg is named twice"),
+            (ledger.files(&build().unit()).unwrap().to_vec(), "file scene.none-1.cache belongs to unit build-"),
         ];
         for (files, words) in refused {
             let why = ledger.commit(&cast(2), files).unwrap_err().to_string();
@@ -247,13 +250,13 @@ fn the_slower_one_goes_on_with_the_winners_files() {
     on_each_store(|store| {
         let slower = two_units(&store);
         let faster = Ledger::read(Arc::clone(&store)).unwrap().0;
-        let common = put(&*store, "segments/common.seg", b"s");
-        let won = vec![common.clone(), put(&*store, "segments/c.one.seg", b"c")];
+        let common = put(&*store, "segments/common.none-1.seg", b"s");
+        let won = vec![common.clone(), put(&*store, "segments/c.none-2.seg", b"c")];
         assert_eq!(faster.commit(&cast(2), won.clone()).unwrap(), Committed::Now);
-        let own = vec![common, put(&*store, "segments/c.two.seg", b"c")];
+        let own = vec![common, put(&*store, "segments/c.none-3.seg", b"c")];
         assert_eq!(slower.commit(&cast(2), own).unwrap(), Committed::Already);
         assert_eq!(slower.files(&cast(2).unit()).unwrap().to_vec(), won);
-        assert_eq!(store.size("segments/c.two.seg").unwrap(), None, "the loser's file is removed");
+        assert_eq!(store.size("segments/c.none-3.seg").unwrap(), None, "the loser's file is removed");
         // Whoever commits twice loses against himself, and keeps his files.
         assert_eq!(faster.commit(&cast(2), won.clone()).unwrap(), Committed::Already);
         let (again, findings, swept) = open(&store);
@@ -269,11 +272,11 @@ fn an_unsound_record_wins_against_nobody() {
     on_each_store(|store| {
         two_units(&store);
         mangle(&*store, &record(&cast(1)), b"{");
-        store.remove("scene.cache").unwrap();
+        store.remove("scene.none-1.cache").unwrap();
         let (ledger, findings) = Ledger::read(Arc::clone(&store)).unwrap();
         assert_eq!((findings.corrupt.len(), findings.lost.len()), (1, 1));
         for recipe in [cast(1), build()] {
-            let files = vec![put(&*store, &format!("segments/{}.seg", recipe.what()), b"again")];
+            let files = vec![put(&*store, &format!("segments/{}.none-1.seg", recipe.what()), b"again")];
             assert_eq!(ledger.commit(&recipe, files.clone()).unwrap(), Committed::Now);
             assert_eq!(open(&store).0.files(&recipe.unit()).unwrap().to_vec(), files);
         }
@@ -285,10 +288,10 @@ fn a_forgotten_unit_takes_its_files_along() {
     on_each_store(|store| {
         let ledger = two_units(&store);
         ledger.forget([cast(1).unit(), cast(7).unit()]).unwrap();
-        assert_eq!(store.list("").unwrap(), ["scene.cache", &record(&build())]);
+        assert_eq!(store.list("").unwrap(), ["scene.none-1.cache", &record(&build())]);
         assert_eq!(units(&open(&store).0), units(&ledger));
         assert!(ledger.find(PhaseName::Cast, "1").is_empty());
-        let again = vec![put(&*store, "segments/a.seg", b"again")];
+        let again = vec![put(&*store, "segments/a.none-1.seg", b"again")];
         assert_eq!(ledger.commit(&cast(1), again).unwrap(), Committed::Now);
     });
 }
@@ -299,9 +302,9 @@ fn a_corrupt_file_is_kept_and_its_unit_forgotten() {
         let ledger = two_units(&store);
         assert_eq!(ledger.set_aside(&store.path("photo.jpg")).unwrap(), None);
         assert_eq!(ledger.set_aside(&store.path(&record(&cast(7)))).unwrap(), None);
-        let found = ledger.set_aside(&store.path("segments/a.seg")).unwrap().unwrap();
-        assert_eq!((found.unit, found.kept.as_str()), (cast(1).unit(), "corrupt/a.seg"));
-        assert_eq!(store.list("").unwrap(), ["corrupt/a.seg", "scene.cache", &record(&build())]);
+        let found = ledger.set_aside(&store.path("segments/a.none-1.seg")).unwrap().unwrap();
+        assert_eq!((found.unit, found.kept.as_str()), (cast(1).unit(), "corrupt/a.none-1.seg"));
+        assert_eq!(store.list("").unwrap(), ["corrupt/a.none-1.seg", "scene.none-1.cache", &record(&build())]);
         let (again, findings, _) = open(&store);
         assert_eq!((units(&again), findings), (units(&ledger), Findings::default()));
         assert!(again.of_phase(PhaseName::Cast).is_empty() && again.of_phase(PhaseName::Build).len() == 1);
@@ -317,7 +320,7 @@ fn a_corrupt_record_is_kept_and_its_unit_forgotten() {
         let found = ledger.set_aside(why.malformed_file().unwrap()).unwrap().unwrap();
         let kept = format!("corrupt/{}.json", cast(1).unit());
         assert_eq!((found.unit, &found.kept), (cast(1).unit(), &kept));
-        assert_eq!(store.list("").unwrap(), [&kept, "scene.cache", &record(&build())]);
+        assert_eq!(store.list("").unwrap(), [&kept, "scene.none-1.cache", &record(&build())]);
         assert_eq!(ledger.len(), 1);
     });
 }
@@ -327,16 +330,16 @@ fn a_unit_that_another_process_has_done_again_is_left_alone() {
     on_each_store(|store| {
         let late = two_units(&store);
         let other = Ledger::read(Arc::clone(&store)).unwrap().0;
-        let corrupt = store.path("segments/a.seg");
+        let corrupt = store.path("segments/a.none-1.seg");
         other.set_aside(&corrupt).unwrap();
-        let again = vec![put(&*store, "segments/a2.seg", b"aa")];
+        let again = vec![put(&*store, "segments/a2.none-1.seg", b"aa")];
         assert_eq!(other.commit(&cast(1), again.clone()).unwrap(), Committed::Now);
         let found = late.set_aside(&corrupt).unwrap().unwrap();
-        assert_eq!((found.unit, found.kept.as_str()), (cast(1).unit(), "corrupt/a.seg"));
+        assert_eq!((found.unit, found.kept.as_str()), (cast(1).unit(), "corrupt/a.none-1.seg"));
         assert_eq!(late.files(&cast(1).unit()).unwrap().to_vec(), again);
         assert!(open(&store).0.is_done(&cast(1).unit()));
         // Two processes may find one fault, or forget one unit.
-        let corrupt = store.path("segments/a2.seg");
+        let corrupt = store.path("segments/a2.none-1.seg");
         assert_eq!(late.set_aside(&corrupt).unwrap(), other.set_aside(&corrupt).unwrap());
         late.forget([build().unit()]).unwrap();
         other.forget([build().unit()]).unwrap();
@@ -350,9 +353,9 @@ fn names_in_a_record_cannot_leave_the_store_nor_take_what_is_anothers() {
         for (files, words) in [
             (vec![file("../../x")], "cannot name a file of a run"),
             (vec![file("units/x")], "is in a folder that no unit may write to"),
-            (vec![file("scene.cache"), file("scene.cache")], "is named twice"),
-            (vec![file("scene.cache")], "file scene.cache belongs to unit build-"),
-            (vec![file("scene.cache"), file("gone")], "gone is not there"),
+            (vec![file("scene.none-1.cache"), file("scene.none-1.cache")], "is named twice"),
+            (vec![file("scene.none-1.cache")], "file scene.none-1.cache belongs to unit build-"),
+            (vec![file("scene.none-1.cache"), file("gone")], "gone is not there"),
         ] {
             two_units(&store);
             mangle(&*store, &record(&cast(3)), &UnitRecord::new(&cast(3), files).seal().unwrap());

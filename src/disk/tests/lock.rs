@@ -4,29 +4,32 @@ use std::fs;
 use std::io::{BufRead, BufReader};
 use std::process::{Command, Stdio};
 
-use crate::disk::Lock;
+use crate::disk::{DirStore, Lock};
 
 #[test]
 fn a_second_run_is_refused_by_name() {
     let folder = tempfile::tempdir().unwrap();
     let work = folder.path().join("work/scene");
-    let first = Lock::acquire(&work).unwrap();
-    let why = Lock::acquire(&work).unwrap_err().to_string();
+    let first = Lock::acquire(&DirStore::new(&work)).unwrap();
+    let why = Lock::acquire(&DirStore::new(&work)).unwrap_err().to_string();
     assert!(why.contains(&format!("is in use by process {}: wait", std::process::id())), "{why}");
     drop(first);
-    drop(Lock::acquire(&work).unwrap());
+    drop(Lock::acquire(&DirStore::new(&work)).unwrap());
 }
 
 #[test]
 fn what_a_lock_file_says_is_not_what_locks() {
     let folder = tempfile::tempdir().unwrap();
-    drop(Lock::acquire(folder.path()).unwrap());
+    drop(Lock::acquire(&DirStore::new(folder.path())).unwrap());
+    let own = format!("{}\n", std::process::id());
     for said in ["1\n", "", "not a number", "99999999999999999999999999999999", "\0\0\0"] {
         fs::write(folder.path().join("lock"), said).unwrap();
-        let held = Lock::acquire(folder.path()).unwrap();
-        assert_eq!(fs::read_to_string(folder.path().join("lock")).unwrap(), format!("{}\n", std::process::id()));
+        let held = Lock::acquire(&DirStore::new(folder.path())).unwrap();
+        // What no lock wrote stays.
+        let is_ours = said.is_empty() || said == "1\n";
+        assert_eq!(fs::read_to_string(folder.path().join("lock")).unwrap(), if is_ours { &own } else { said });
         fs::write(folder.path().join("lock"), said).unwrap();
-        assert!(Lock::acquire(folder.path()).unwrap_err().to_string().contains("is in use by"));
+        assert!(Lock::acquire(&DirStore::new(folder.path())).unwrap_err().to_string().contains("is in use by"));
         drop(held);
     }
 }
@@ -35,7 +38,7 @@ fn what_a_lock_file_says_is_not_what_locks() {
 #[test]
 #[ignore = "run by a_killed_process_holds_nothing"]
 fn hold() {
-    let _lock = Lock::acquire(std::env::var_os("GONIO_TEST_LOCK").unwrap()).unwrap();
+    let _lock = Lock::acquire(&DirStore::new(std::env::var_os("GONIO_TEST_LOCK").unwrap())).unwrap();
     println!("\nheld");
     std::thread::sleep(std::time::Duration::from_secs(60));
 }
@@ -51,9 +54,9 @@ fn a_killed_process_holds_nothing() {
         .unwrap();
     let mut said = BufReader::new(child.stdout.take().unwrap()).lines().map_while(Result::ok);
     assert!(said.any(|line| line == "held"));
-    let why = Lock::acquire(folder.path()).unwrap_err().to_string();
+    let why = Lock::acquire(&DirStore::new(folder.path())).unwrap_err().to_string();
     child.kill().unwrap();
     child.wait().unwrap();
     assert!(why.contains(&format!("process {}", child.id())), "{why}");
-    drop(Lock::acquire(folder.path()).unwrap());
+    drop(Lock::acquire(&DirStore::new(folder.path())).unwrap());
 }

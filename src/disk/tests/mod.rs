@@ -9,6 +9,8 @@ mod atomic;
 mod faults;
 mod frozen;
 mod ledger;
+#[cfg(unix)]
+mod links;
 mod lock;
 mod mark;
 mod race;

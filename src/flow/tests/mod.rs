@@ -6,6 +6,7 @@ use std::time::Duration;
 
 mod backpressure;
 mod budget;
+mod deadline;
 mod mock;
 mod order;
 mod stopping;

@@ -1,6 +1,6 @@
 //! Why a group of frames is done over.
 
-use super::ingredients::{TOO_LARGE, UNREADABLE, frame_input, frames_in, ingredient};
+use super::ingredients::{NOT_READ, TOO_LARGE, frame_input, frames_in, ingredient};
 use crate::disk::Recipe;
 use crate::phases::cause::{Cause, FrameChange, FrameInput, of};
 
@@ -37,10 +37,10 @@ fn change(before: Option<&str>, now: Option<&str>) -> FrameChange {
     match (before, now) {
         (None, _) => FrameChange::Came,
         (_, None) => FrameChange::Went,
-        (Some(TOO_LARGE), Some(now)) if now != UNREADABLE => FrameChange::Fits,
+        (Some(TOO_LARGE), Some(now)) if now != NOT_READ => FrameChange::Fits,
         (_, Some(TOO_LARGE)) => FrameChange::TooLarge,
-        (Some(UNREADABLE), _) => FrameChange::Readable,
-        (_, Some(UNREADABLE)) => FrameChange::Unreadable,
+        (Some(NOT_READ), _) => FrameChange::Readable,
+        (_, Some(NOT_READ)) => FrameChange::Unreadable,
         _ => FrameChange::Content,
     }
 }

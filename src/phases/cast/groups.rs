@@ -2,33 +2,32 @@
 //! of its format; never of a time or a path. So a file with a new date alone changes no recipe, and a file with new contents
 //! changes the recipes of what was made of it.
 
-use std::path::Path;
-use std::sync::Arc;
+use std::collections::BTreeMap;
+use std::sync::{Arc, OnceLock};
 
 use rayon::prelude::*;
 
 use super::frozen::{Frozen, Names};
-use super::ingredients::{INPUTS, TOO_LARGE, UNREADABLE, ingredient};
+use super::ingredients::{TOO_LARGE, contents, ingredient, with_contents, with_pose};
 use super::readable::Readable;
 use crate::base::ids::FrameId;
-use crate::base::key::Key;
+use crate::base::patience::Patience;
 use crate::base::{PhaseName, Result};
-use crate::codec::images;
 use crate::config::Effect;
-use crate::disk::Recipe;
-use crate::disk::{Content, Damage, Ledger, Store};
+use crate::disk::{self, Damage, Ledger, Recipe, Store, UnitName};
 use crate::phases::cause::{FORMAT, FrameInput};
 use crate::phases::scene::LoadedScene;
 use crate::pipeline::Pipeline;
 use crate::scene::frame::Frame;
 use crate::shard::Segment;
 use crate::shard::format::VERSION;
+use crate::stages::decode::{Content, Contents};
 use crate::stages::gather::SEGMENT;
 
 /// Frames whose observations become one unit.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Group {
-    /// All that the unit's bytes depend on.
+    /// All that the unit's bytes depend on. Before the group is done, its files may have other contents, or not be looked at.
     pub recipe: Recipe,
     /// The group's frames, ascending.
     pub frames: Vec<FrameId>,
@@ -80,7 +79,7 @@ impl FrameGroups {
         readable: Option<&Readable>,
     ) -> Result<Self> {
         let planned = list.groups(&scene.frames, pipeline.gather.group);
-        let frames = Ingredients::of(pipeline, &scene.frames, readable);
+        let frames = Ingredients::of(&scene.frames, readable);
         let groups = frames.groups(pipeline, ledger, scene, &planned)?;
         Ok(FrameGroups { list, planned, frames, groups })
     }
@@ -93,6 +92,15 @@ impl FrameGroups {
     /// What was wrong with the list, if anything was.
     pub(crate) fn damage(&self) -> Option<&Damage> {
         self.list.damage()
+    }
+
+    /// Gives groups that were done the recipes of what was read, in place of what they had before.
+    pub(super) fn settle(&mut self, read: &BTreeMap<UnitName, Recipe>) {
+        for group in &mut self.groups {
+            if let Some(recipe) = read.get(&group.recipe.unit()) {
+                group.recipe.clone_from(recipe);
+            }
+        }
     }
 
     /// Freezes the groups as planned. Where another process froze others first, those are the groups.
@@ -109,75 +117,95 @@ impl FrameGroups {
     }
 }
 
-/// The ingredients of every frame.
+impl Group {
+    /// The recipe of the group once these contents of its frames' files were read.
+    pub(super) fn read(recipe: &Recipe, all: &[Frame], contents: &[(FrameId, Contents)]) -> Recipe {
+        contents.iter().fold(recipe.clone(), |recipe, (id, contents)| with_contents(recipe, &all[id.index()], contents))
+    }
+}
+
+/// The ingredients of every frame, found when they are asked for.
 struct Ingredients {
-    /// Contents of image, mask and pose, where there are any.
-    contents: Vec<[Option<String>; INPUTS.len()]>,
+    contents: Vec<OnceLock<Contents>>,
+    patience: Patience,
     /// Whether each frame is too large under this limit; `None` where nobody asks, and frames that were left out stay so.
     too_large: Option<Vec<bool>>,
 }
 
 impl Ingredients {
-    fn of(pipeline: &Pipeline, frames: &[Frame], readable: Option<&Readable>) -> Self {
+    fn of(frames: &[Frame], readable: Option<&Readable>) -> Self {
         let too_large =
             readable.map(|readable| FrameId::all(frames.len()).map(|id| readable.is_too_large(id)).collect());
-        Ingredients { contents: frames.par_iter().map(|frame| contents(pipeline, frame)).collect(), too_large }
+        let contents = frames.iter().map(|_| OnceLock::new()).collect();
+        Ingredients { contents, patience: Patience::default(), too_large }
     }
 
     fn is_too_large(&self, frame: FrameId) -> bool {
         self.too_large.as_ref().is_some_and(|too_large| too_large[frame.index()])
     }
 
+    /// Finds the contents of these frames, many at once.
+    fn find(&self, pipeline: &Pipeline, all: &[Frame], some: &[FrameId]) {
+        some.par_iter().for_each(|id| {
+            self.contents[id.index()].get_or_init(|| contents(pipeline, &all[id.index()], &self.patience));
+        });
+    }
+
     /// The recipe of these frames beside what all groups have in `common`. `left_out` says which of them are too large.
     fn recipe(&self, common: Recipe, all: &[Frame], some: &[FrameId], left_out: impl Fn(FrameId) -> bool) -> Recipe {
-        let add = |recipe: Recipe, &id: &FrameId| {
-            let (name, contents) = (&all[id.index()].name, &self.contents[id.index()]);
-            INPUTS.iter().zip(contents).fold(recipe, |recipe, (&(input, _), content)| match content {
-                Some(_) if input == FrameInput::Image && left_out(id) => {
-                    recipe.with(ingredient(input, name), TOO_LARGE)
-                }
-                Some(content) => recipe.with(ingredient(input, name), content),
-                None => recipe,
-            })
-        };
-        some.iter().fold(common, add)
+        some.iter().fold(common, |recipe, &id| {
+            let recipe = with_pose(recipe, &all[id.index()]);
+            let too_large = Contents::without(Content::TooLarge);
+            let contents = if left_out(id) { Some(&too_large) } else { self.contents[id.index()].get() };
+            contents.map_or(recipe.clone(), |contents| with_contents(recipe, &all[id.index()], contents))
+        })
     }
 
     /// The groups of these frames, each with the recipe that it has now; groups without any posed frame are left out.
     ///
-    /// A frame that is too large under this limit is left out of a group that is still to be done, and its group is done over
-    /// under a limit that it fits. A group that has it already keeps it, whatever the limit is now.
+    /// The files of a group of which nothing is done are not looked at: what they hold is known once they are read. A frame
+    /// that is too large under this limit is left out of a group that is still to be done, and its group is done over under a
+    /// limit that it fits. A group that has it already keeps it, whatever the limit is now.
     fn groups(&self, pipeline: &Pipeline, ledger: &Ledger, scene: &LoadedScene, list: &[Names]) -> Result<Vec<Group>> {
         let all = &scene.frames;
-        let mut groups = Vec::new();
-        for (number, names) in list.iter().enumerate() {
-            let frames = posed(all, names);
-            if frames.is_empty() {
-                continue;
-            }
-            let common = || {
-                Recipe::new(PhaseName::Cast, number.to_string())
-                    .with("scene.mesh", scene.mesh_key)
-                    .with(FORMAT, VERSION)
-                    .with_all(pipeline.ingredients(Effect::Cast))
-            };
-            let mut recipe = self.recipe(common(), all, &frames, |id| self.is_too_large(id));
-            if !ledger.is_done(&recipe.unit()) {
-                for done in ledger.find(PhaseName::Cast, &number.to_string()) {
-                    let done = ledger.recipe(&done)?;
-                    let still_left_out = |id: FrameId| {
-                        let name = ingredient(FrameInput::Image, &all[id.index()].name);
-                        done.ingredient(&name) == Some(TOO_LARGE) && (self.too_large.is_none() || self.is_too_large(id))
-                    };
-                    let kept = self.recipe(common(), all, &frames, still_left_out);
-                    if kept == done {
-                        recipe = kept;
-                    }
+        let groups = list.iter().enumerate().map(|(number, names)| (number.to_string(), posed(all, names)));
+        let groups: Vec<(String, Vec<FrameId>)> = groups.filter(|(_, frames)| !frames.is_empty()).collect();
+        let begun = groups.iter().filter(|(number, _)| !ledger.find(PhaseName::Cast, number).is_empty());
+        let begun: Vec<FrameId> = begun.flat_map(|(_, frames)| frames).copied().collect();
+        self.find(pipeline, all, &begun);
+        groups.into_iter().map(|(number, frames)| self.group(pipeline, ledger, scene, &number, frames)).collect()
+    }
+
+    fn group(
+        &self,
+        pipeline: &Pipeline,
+        ledger: &Ledger,
+        scene: &LoadedScene,
+        number: &str,
+        frames: Vec<FrameId>,
+    ) -> Result<Group> {
+        let all = &scene.frames;
+        let common = || {
+            Recipe::new(PhaseName::Cast, number)
+                .with("scene.mesh", scene.mesh_key)
+                .with(FORMAT, VERSION)
+                .with_all(pipeline.ingredients(Effect::Cast))
+        };
+        let mut recipe = self.recipe(common(), all, &frames, |id| self.is_too_large(id));
+        if !ledger.is_done(&recipe.unit()) {
+            for done in ledger.find(PhaseName::Cast, number) {
+                let done = ledger.recipe(&done)?;
+                let still_left_out = |id: FrameId| {
+                    let name = ingredient(FrameInput::Image, &all[id.index()].name);
+                    done.ingredient(&name) == Some(TOO_LARGE) && (self.too_large.is_none() || self.is_too_large(id))
+                };
+                let kept = self.recipe(common(), all, &frames, still_left_out);
+                if kept == done {
+                    recipe = kept;
                 }
             }
-            groups.push(Group { recipe, frames });
         }
-        Ok(groups)
+        Ok(Group { recipe, frames })
     }
 }
 
@@ -189,23 +217,15 @@ fn posed(all: &[Frame], names: &Names) -> Vec<FrameId> {
     ids
 }
 
-fn contents(pipeline: &Pipeline, frame: &Frame) -> [Option<String>; INPUTS.len()] {
-    let content = |path: &Path| match Key::of_file(path) {
-        Ok(key) => key.to_string(),
-        Err(_) => UNREADABLE.to_owned(),
-    };
-    let scene = &pipeline.scene;
-    let mask = scene.masks.as_deref().and_then(|masks| images::mask_path(masks, &frame.name));
-    // Debug output of floats has all their digits.
-    let pose = Key::of_bytes(format!("{:?} {:?}", frame.camera, frame.pose).as_bytes());
-    [Some(content(&scene.images.join(&frame.name))), mask.as_deref().map(content), Some(pose.to_string())]
-}
-
 /// Opens the segments of these groups, as far as they are done.
 ///
 /// # Errors
 /// A segment that cannot be read.
-pub(crate) fn opened_segments(store: &dyn Store, ledger: &Ledger, groups: &[Group]) -> Result<Vec<Segment<Content>>> {
+pub(crate) fn opened_segments(
+    store: &dyn Store,
+    ledger: &Ledger,
+    groups: &[Group],
+) -> Result<Vec<Segment<disk::Content>>> {
     let mut segments = Vec::new();
     for files in groups.iter().filter_map(|group| ledger.files(&group.recipe.unit())) {
         for file in files.iter().filter(|file| file.name.ends_with(SEGMENT)) {

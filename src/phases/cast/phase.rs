@@ -1,16 +1,17 @@
 //! The cast phase: a unit is a frame group.
 
-use std::sync::Arc;
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use super::causes::causes;
 use super::frozen::Frozen;
 use super::groups::Group;
 use super::share::{CastNeeds, CastShare};
 use crate::base::convert::Cut;
+use crate::base::ids::FrameId;
 use crate::base::{Error, PhaseName, Result};
-use crate::disk::Recipe;
-use crate::disk::{Damage, Ledger, Rotten, Store};
-use crate::flow::Flow;
+use crate::disk::{Damage, FileEntry, Ledger, Recipe, Rotten, Store};
+use crate::flow::{Flow, pool};
 use crate::phases::cause::Cause;
 use crate::phases::context::Context;
 use crate::phases::facts::{Facts, USUAL_BINS};
@@ -21,8 +22,9 @@ use crate::phases::takes::{QUEUE, Takes};
 use crate::phases::units::{Extent, Unit, Units};
 use crate::pipeline::Pipeline;
 use crate::stages::cast;
+use crate::stages::decode::Contents;
 use crate::stages::frames::Frames;
-use crate::stages::gather::{Gather, GroupFrames, SEGMENT, SEGMENTS, read_tally};
+use crate::stages::gather::{Gather, GroupFrames, SEGMENT, read_tally};
 use crate::trace::Bvh;
 
 /// The phase; a unit is a group of frames.
@@ -36,15 +38,12 @@ impl Phase for Cast {
         PhaseName::Cast
     }
 
-    fn owns(&self) -> Vec<String> {
-        vec![SEGMENTS.to_owned()]
-    }
-
     /// Groups are frozen before a unit of theirs is named.
     fn prepare(&self, run: &mut Context<'_>) -> Result<()> {
         let (pipeline, ledger) = (run.pipeline, Arc::clone(&run.ledger));
         let surveyed = run.known.surveyed_mut()?;
-        surveyed.groups.freeze(pipeline, &ledger, &surveyed.scene)
+        // Where another process froze other groups, their photographs are looked at, many at once.
+        pool::share(pipeline.run.threads(), || surveyed.groups.freeze(pipeline, &ledger, &surveyed.scene))?
     }
 
     fn units(&self, known: &Known<'_>, _: &dyn Store, _: &Ledger) -> Result<Units> {
@@ -114,7 +113,14 @@ impl Phase for Cast {
         let decode = scene.decode(pipeline, &replay);
         let (tile, downscale) = (pipeline.cast.tile, pipeline.decode.downscale);
         let cast = cast::Cast { frames: &scene.frames, mesh: &scene.mesh, bvh: &bvh, tile, downscale, piece };
-        let commit = |recipe: &Recipe, files| ledger.commit(recipe, files).map(drop);
+        // What a unit is made of is what was read of its files.
+        let read = Mutex::new(BTreeMap::new());
+        let commit = |group: &GroupFrames, contents: &[(FrameId, Contents)], files: Vec<FileEntry>| {
+            let recipe = Group::read(&group.recipe, &scene.frames, contents);
+            ledger.commit(&recipe, files)?;
+            read.lock().unwrap_or_else(PoisonError::into_inner).insert(group.recipe.unit(), recipe);
+            Ok(())
+        };
         let gather = Gather::new(&groups, store, rows, &commit);
         let frames = Frames { groups: &groups, decode: decode.clone(), budget: &budget, memory: budget.left() };
         let flow = Flow::source(&stop, "frames", frames)
@@ -122,7 +128,10 @@ impl Phase for Cast {
             .map("cast", cast, workers, QUEUE)
             .fold("gather", gather, QUEUE);
         run.progress.watch(flow.meters());
-        flow.run()
+        flow.run()?;
+        let read = read.into_inner().unwrap_or_else(PoisonError::into_inner);
+        run.known.surveyed_mut()?.groups.settle(&read);
+        Ok(())
     }
 
     fn tell(&self, run: &mut Context<'_>, units: &Units, done: &[Unit]) -> Result<()> {

@@ -23,7 +23,7 @@ use crate::scene::evidence::Evidence;
 use crate::shard::{collect_least, collect_need};
 use crate::stages::infer;
 use crate::stages::light::SceneLight;
-use crate::stages::shards::{Collected, Keep, RowsFile, SHARDS, Shard};
+use crate::stages::shards::{Collected, Keep, RowsFile, Shard};
 
 /// The phase; a unit is a shard.
 pub(crate) struct Infer;
@@ -55,10 +55,6 @@ pub(in crate::phases) fn shards_done(known: &Known<'_>, store: &dyn Store, ledge
 impl Phase for Infer {
     fn name(&self) -> PhaseName {
         PhaseName::Infer
-    }
-
-    fn owns(&self) -> Vec<String> {
-        vec![SHARDS.to_owned()]
     }
 
     fn units(&self, known: &Known<'_>, store: &dyn Store, ledger: &Ledger) -> Result<Units> {

@@ -10,7 +10,7 @@ use crate::config::{Effect, Setting, Value, raw};
 use crate::pipeline::sections::{NEVER_CHANGE_A_RESULT, SECTIONS};
 
 /// Another value for every key.
-const OTHERS: [(&str, &str); 37] = [
+const OTHERS: [(&str, &str); 39] = [
     ("synth.into", "there"),
     ("synth.city.seed", "36"),
     ("synth.city.triangles", "6000"),
@@ -48,6 +48,8 @@ const OTHERS: [(&str, &str); 37] = [
     ("run.work", "elsewhere"),
     ("run.memory", "3GiB"),
     ("run.threads", "3"),
+    ("run.grace", "5"),
+    ("run.verify", "true"),
 ];
 
 /// A choice that has one name so far: there is no other value.

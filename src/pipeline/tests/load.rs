@@ -7,7 +7,7 @@ use rand_pcg::Pcg64Mcg;
 use tempfile::TempDir;
 
 use super::{DEMO, TEMPLATE, load_text, scene};
-use crate::disk::Lock;
+use crate::disk::{DirStore, Lock};
 use crate::pipeline::load;
 use crate::synth::city::CityConfig;
 
@@ -21,6 +21,7 @@ fn the_template_is_the_defaults() {
     let full = load_text(&dir, TEMPLATE.as_bytes(), &[]).unwrap();
     assert_eq!(full.scene.mesh, dir.path().join("mesh.ply"));
     assert_eq!(full.run.work, dir.path().join("work/scene"));
+    assert_eq!(full.run.grace(), crate::flow::deadline::GRACE);
     let least = "[scene]\nmesh='mesh.ply'\nimages='images'\nposes.path='sparse/0'\n[run]\nwork='work/scene'";
     assert_eq!(load_text(&dir, least.as_bytes(), &[]).unwrap(), full);
 }
@@ -42,7 +43,7 @@ fn a_work_folder_of_others_and_inputs_within_one_are_refused() {
     let of_others = load_text(&dir, TEMPLATE.replace("work/scene", "sparse").as_bytes(), &[]).unwrap_err();
     assert!(of_others.contains("run.work: holds 0, which no run of gonio made there"), "{of_others}");
     // In a run's own folder the run removes what it needs no more, so nobody's input may lie there.
-    drop(Lock::acquire(dir.path().join("work/scene")).unwrap());
+    drop(Lock::acquire(&DirStore::new(dir.path().join("work/scene"))).unwrap());
     load_text(&dir, TEMPLATE.as_bytes(), &[]).unwrap();
     for within in ["work/scene/segments", "work/./scene/segments", "work/../work/scene/segments", "link/scene/segments"]
     {
@@ -133,7 +134,7 @@ fn what_is_no_table_of_sections_is_told() {
     insta::assert_snapshot!(problems("scene = 3\nrun = []", &[]), @r#"
     p.toml: scene.poses.path: is needed; add `path = "PATH"`
     p.toml:1:9: scene: must be a table of keys; got 3; its keys are mesh, images, masks, up, poses
-    p.toml:2:7: run: must be a table of keys; got a list of 0; its keys are work, memory, threads
+    p.toml:2:7: run: must be a table of keys; got a list of 0; its keys are work, memory, threads, grace, verify
     "#);
     insta::assert_snapshot!(problems("[scene\nmesh = a\n[run]\n[run]\n", &[]), @r#"
     p.toml:1:7: is no TOML: unclosed table, expected `]`

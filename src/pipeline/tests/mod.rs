@@ -4,6 +4,7 @@ mod keys;
 mod load;
 mod template;
 
+use std::ffi::OsString;
 use std::fs;
 
 use tempfile::TempDir;
@@ -32,7 +33,7 @@ fn scene() -> TempDir {
 fn load_text(dir: &TempDir, text: &[u8], sets: &[&str]) -> Result<Pipeline, String> {
     let file = dir.path().join("p.toml");
     fs::write(&file, text).unwrap();
-    let sets: Vec<String> = sets.iter().map(|s| (*s).to_owned()).collect();
+    let sets: Vec<OsString> = sets.iter().map(OsString::from).collect();
     super::load(&file, &sets)
         .map_err(|problems| problems.to_string().replace(&format!("{}/", dir.path().display()), ""))
 }

@@ -41,7 +41,8 @@ fn whatever_fails_at_whatever_step_the_same_bytes_come_out() {
 
 #[test]
 fn a_corrupt_file_is_set_aside_and_only_its_unit_is_done_again() {
-    let (_dir, pipeline) = scene();
+    let (_dir, mut pipeline) = scene();
+    pipeline.run.verify = true;
     let whole = MemStore::new();
     run_here(Arc::new(whole.clone()), &pipeline).unwrap();
     // Shards are read again when the tables are made over, the rest by every run.
@@ -126,7 +127,7 @@ fn flipped(bytes: &[u8]) -> Vec<u8> {
     bytes
 }
 
-fn copy_of(store: &MemStore) -> MemStore {
+pub(super) fn copy_of(store: &MemStore) -> MemStore {
     let copy = MemStore::new();
     store.list("").unwrap().iter().for_each(|name| put(&copy, name, &store.open(name).unwrap()));
     copy

@@ -22,10 +22,6 @@ impl Phase for Mock {
         PhaseName::Mock
     }
 
-    fn owns(&self) -> Vec<String> {
-        vec!["mock/".to_owned()]
-    }
-
     fn units(&self, known: &Known<'_>, _: &dyn Store, _: &Ledger) -> Result<Units> {
         let recipe = Recipe::new(PhaseName::Mock, "count").with("frames", known.surveyed()?.facts.frames);
         Ok(Units { noun: "counts", all: vec![Unit::new(recipe)], extent: Extent::Exact })
@@ -40,7 +36,7 @@ impl Phase for Mock {
 
     fn work(&self, run: &mut Context<'_>, to_do: &[Unit]) -> Result<()> {
         for unit in to_do {
-            let draft = run.store.create(&format!("mock/{}", unit.name))?;
+            let draft = run.store.create(&format!("mock/{}.{}", unit.name, run.store.attempt()))?;
             run.commit(&unit.recipe, vec![draft.commit()?])?;
         }
         Ok(())
@@ -80,7 +76,7 @@ fn plan_explain_run_progress_and_report_know_a_phase_by_the_list_alone() {
     assert!(last.name == PhaseName::Mock && matches!(last.state, State::Done(_)) && last.expected.as_secs() == 4);
     assert_eq!(report.phases.last().unwrap().name, PhaseName::Mock);
     // Done once: the next run finds the unit, and sweeps what no unit record names.
-    super::put(&store, "mock/rubbish", b"left behind");
+    super::put(&store, "mock/rubbish.none-1", b"left behind");
     let (again, _) = run();
     assert!(again.phases.iter().all(|phase| phase.name != PhaseName::Mock));
     assert_eq!((report.rays, again.rays), (4 * 48 * 32 + 1000, 0));

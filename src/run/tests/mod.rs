@@ -2,6 +2,8 @@
 //! phase that nobody foresaw, and the keys that change nothing.
 
 mod faults;
+#[cfg(unix)]
+mod inputs;
 mod mock;
 mod race;
 #[cfg(unix)]

@@ -58,8 +58,9 @@ impl Rot {
 }
 
 fn ran(pipeline: &Pipeline, work: &Path) -> Vec<String> {
-    let _lock = Lock::acquire(work).unwrap();
-    run_here(Arc::new(DirStore::new(work)), pipeline).unwrap().1
+    let store = DirStore::new(work);
+    let _lock = Lock::acquire(&store).unwrap();
+    run_here(Arc::new(store), pipeline).unwrap().1
 }
 
 fn verified(pipeline: &Pipeline, work: &Path, inputs: bool) -> Result<Verified> {
@@ -96,7 +97,8 @@ fn copy(from: &Path, to: &Path) {
 
 #[test]
 fn rot_of_any_kind_in_any_file_is_named_and_made_again() {
-    let (dir, pipeline) = scene();
+    let (dir, mut pipeline) = scene();
+    pipeline.run.verify = true;
     let (whole, work, aside) = (dir.path().join("whole"), dir.path().join("rotten"), dir.path().join("aside"));
     ran(&pipeline, &whole);
     let (expected, names) = (left(&whole), DirStore::new(&whole).list("").unwrap());
@@ -133,7 +135,8 @@ fn rot_of_any_kind_in_any_file_is_named_and_made_again() {
 
 #[test]
 fn many_rotten_files_are_made_again_in_one_go() {
-    let (dir, pipeline) = scene();
+    let (dir, mut pipeline) = scene();
+    pipeline.run.verify = true;
     let (whole, work) = (dir.path().join("whole"), dir.path().join("rotten"));
     ran(&pipeline, &whole);
     copy(&whole, &work);

@@ -52,7 +52,7 @@ mod tests {
     use super::*;
     use crate::base::Error;
     use crate::base::ids::TriangleId;
-    use crate::config::{Document, raw, read_text};
+    use crate::config::{Document, Faults, raw, read_text};
     use crate::disk::{MemStore, Store};
     use crate::scene::Mesh;
     use crate::scene::evidence::Evidence;
@@ -88,9 +88,9 @@ mod tests {
     fn a_format_is_known_by_its_place_in_the_list() {
         let root = raw::parse("[export]\nformats = ['colors', 'ply']").unwrap();
         let read = |exporters: &[Exporter]| {
-            let document = Document::new(&root, Path::new(""), Vec::new());
+            let document = Document::new(&root, Path::new(""), Faults::default());
             let config = Config::read_among(&Keys::of(&document, Config::OUTLINE), exporters);
-            (config, document.into_problems())
+            (config, document.into_faults().of_file(Path::new("")).list)
         };
         let (config, problems) = read(&[EXPORTERS, &[COLORS]].concat());
         assert_eq!((problems, config.formats.len()), (vec![], 2));

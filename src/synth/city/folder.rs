@@ -13,7 +13,8 @@ use serde_json::{Value, json};
 
 use super::CityConfig;
 use crate::base::{Error, Result};
-use crate::disk::{Space, space, write_atomic};
+use crate::disk::names::TEMPORARY;
+use crate::disk::{DirStore, Space, Store, space, write_atomic};
 
 /// The file of a finished city, written last: the configuration, and the counts of triangles and frames.
 pub(super) const FINISHED: &str = "city.json";
@@ -149,16 +150,45 @@ pub(super) fn finish(folder: &Path, config: &CityConfig, summary: Summary) -> Re
     remove(&folder.join(MARK))
 }
 
-/// Removes the files of a folder whose names begin with `stem` and are not wanted: frames of an earlier city, and files that
-/// an interrupted making left under temporary names.
-pub(super) fn sweep(folder: &Path, stem: &str, wanted: impl Fn(&str) -> bool) -> Result<()> {
+/// Makes a folder of the city's, and those above it up to `folder`.
+///
+/// # Errors
+/// One of them is a link: what is removed there would be somebody's.
+pub(super) fn make_below(folder: &Path, below: &str) -> Result<()> {
+    let mut path = folder.to_path_buf();
+    for part in below.split('/') {
+        path.push(part);
+        match fs::create_dir(&path) {
+            Err(why) if why.kind() != ErrorKind::AlreadyExists => return Err(Error::io("create", &path)(why)),
+            _ => {}
+        }
+        if !fs::symlink_metadata(&path).map_err(Error::io("look at", &path))?.is_dir() {
+            let words = "it is a link or a file, where a folder of the city's is needed: move it away";
+            return Err(Error::malformed(&path, words));
+        }
+    }
+    Ok(())
+}
+
+/// Removes the photographs of a folder that are not wanted: those of an earlier city, and files that an interrupted making
+/// left under temporary names.
+pub(super) fn sweep(folder: &Path, wanted: impl Fn(&str) -> bool) -> Result<()> {
     for entry in fs::read_dir(folder).map_err(Error::io("read the folder", folder))? {
         let name = entry.map_err(Error::io("read the folder", folder))?.file_name();
-        if name.to_str().is_some_and(|name| name.starts_with(stem) && !wanted(name)) {
+        if name.to_str().is_some_and(|name| is_photograph(name) && !wanted(name)) {
             remove(&folder.join(name))?;
         }
     }
     Ok(())
+}
+
+/// Whether a city's photograph has this name, or had while it was written.
+fn is_photograph(name: &str) -> bool {
+    let Some((number, rest)) = name.strip_prefix("frame_").and_then(|rest| rest.split_once('.')) else { return false };
+    let digits = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
+    let temporary = rest.strip_prefix("jpg.").and_then(|rest| rest.strip_suffix(TEMPORARY));
+    let written = temporary.and_then(|rest| rest.split_once('-')).is_some_and(|(pid, n)| digits(pid) && digits(n));
+    digits(number) && (rest == "jpg" || written)
 }
 
 /// Makes all files of a folder durable.
@@ -170,12 +200,16 @@ pub(super) fn sync(folder: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Removes a folder and its contents, if the folder exists.
-pub(super) fn remove_all(path: &Path) -> Result<()> {
-    match fs::remove_dir_all(path) {
-        Err(why) if why.kind() != ErrorKind::NotFound => Err(Error::io("remove", path)(why)),
-        _ => Ok(()),
+/// Removes a folder of the store's, with the files that are its own.
+pub(super) fn remove_unfinished(store: &DirStore, folder: &str, is_own: impl Fn(&str) -> bool) -> Result<()> {
+    for name in store.list(folder)? {
+        if name.strip_prefix(folder).and_then(|name| name.strip_prefix('/')).is_some_and(&is_own) {
+            store.remove(&name)?;
+        }
     }
+    // What else is there is somebody's, and keeps the folder.
+    fs::remove_dir(store.path(folder)).unwrap_or_default();
+    Ok(())
 }
 
 /// Removes a file, if the file exists.

@@ -18,21 +18,20 @@ const RAYS: u32 = 64;
 /// Triangles of a batch: some seconds of rays.
 const BATCH: usize = 1 << 17;
 
-/// The shares, mapped. Shares that are not in `folder`, whose name ends in `/`, are found and written there.
+/// The shares, mapped. Shares that are not in the file of this name are found and written there.
 ///
 /// # Errors
 /// A file cannot be written; `Error::Interrupted` where `stop`, asked between batches, says so.
 pub(super) fn shares(
     store: &dyn Store,
-    folder: &str,
+    name: &str,
     mesh: &Mesh,
     bvh: &Bvh,
     up: glam::Vec3,
     stop: &dyn Fn() -> bool,
 ) -> Result<Array<f32>> {
-    let name = format!("{folder}sky");
     let bytes = mesh.len() * size_of::<f32>();
-    if there(store, &name, mesh.len()).is_none() {
+    if there(store, name, mesh.len()).is_none() {
         let batch = |at: usize| (format!("{name}.{at}"), at * BATCH..mesh.len().min((at + 1) * BATCH));
         let batches: Vec<_> = (0..mesh.len().div_ceil(BATCH)).map(batch).collect();
         for (name, triangles) in &batches {
@@ -45,10 +44,10 @@ pub(super) fn shares(
             write(store, name, [bytemuck::cast_slice(&sky_visibility(mesh, bvh, up, RAYS, triangles.clone()))])?;
         }
         let batches: Vec<Sealed> = batches.iter().map(|(name, _)| SEAL.open(store, name)).collect::<Result<_>>()?;
-        write(store, &name, batches.iter().map(|batch| &batch[..]))?;
+        write(store, name, batches.iter().map(|batch| &batch[..]))?;
     }
-    let sealed = SEAL.open(store, &name)?;
-    Array::view(&(Arc::new(sealed) as _), 0..bytes).map_err(|found| Error::malformed(store.path(&name), found))
+    let sealed = SEAL.open(store, name)?;
+    Array::view(&(Arc::new(sealed) as _), 0..bytes).map_err(|found| Error::malformed(store.path(name), found))
 }
 
 /// The file of this name, if it is whole and has the shares of this many triangles.

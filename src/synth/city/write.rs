@@ -1,6 +1,5 @@
 //! Writes a city's files, in this order: light, mesh and materials, scene cache, sky, photographs, poses, `city.json`.
 
-use std::fs;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -21,9 +20,16 @@ use crate::scene::Material;
 use crate::scene::frame::Frame;
 
 /// The folder of the files that photographs are taken with; it exists while the city is being made.
-const UNFINISHED: &str = "unfinished/";
+const UNFINISHED: &str = "unfinished";
 /// The scene cache.
 const CACHE: &str = "unfinished/scene.cache";
+/// How the names of the files of the sky begin.
+const SKY: &str = "unfinished/sky";
+
+/// Whether a file of the folder of an unfinished city is the city's own.
+fn is_unfinished(name: &str) -> bool {
+    name == "scene.cache" || name == "sky" || name.strip_prefix("sky.").is_some_and(|at| at.parse::<usize>().is_ok())
+}
 /// The mesh.
 const MESH: &str = "mesh.ply";
 /// The materials of the mesh.
@@ -65,21 +71,20 @@ fn make(dir: &Path, config: &CityConfig, stop: &dyn Fn() -> bool) -> Result<Summ
         folder::begin(dir)?;
     }
     for sub in ["images", "sparse/0", "truth"] {
-        let sub = dir.join(sub);
-        fs::create_dir_all(&sub).map_err(Error::io("create", &sub))?;
+        folder::make_below(dir, sub)?;
     }
     if !goes_on {
-        folder::sweep(&dir.join("images"), "frame_", |_| false)?;
+        folder::sweep(&dir.join("images"), |_| false)?;
         folder::remove(&dir.join(MESH))?;
         folder::remove(&dir.join(MATERIALS))?;
-        folder::remove_all(&dir.join(UNFINISHED))?;
+        folder::remove_unfinished(&store, UNFINISHED, is_unfinished)?;
         folder::own(dir, config)?;
     }
     store.sweep()?;
     let light = lighting(config);
     write_light(&dir.join("truth/light.json"), &light)?;
     let frames = flight::frames(config, &lay_out(config).0, config.supersampling);
-    folder::sweep(&dir.join("images"), "frame_", |name| frames.iter().any(|f| f.name == name))?;
+    folder::sweep(&dir.join("images"), |name| frames.iter().any(|f| f.name == name))?;
     let missing: Vec<&Frame> = frames.iter().filter(|f| !dir.join("images").join(&f.name).exists()).collect();
 
     let written = dir.join(MESH).exists() && dir.join(MATERIALS).exists();
@@ -90,7 +95,7 @@ fn make(dir: &Path, config: &CityConfig, stop: &dyn Fn() -> bool) -> Result<Summ
     }
     let materials = npy::view(Arc::new(store.open(MATERIALS)?), &store.path(MATERIALS))?;
     if let Some(cached) = cached.filter(|_| !missing.is_empty()) {
-        let shares = sky::shares(&store, UNFINISHED, &cached.mesh, &cached.bvh, light.up, stop)?;
+        let shares = sky::shares(&store, SKY, &cached.mesh, &cached.bvh, light.up, stop)?;
         let light = Lighting { visibility: shares, ..light };
         take(&dir.join("images"), config, &missing, &cached, &materials, &light, stop)?;
     }
@@ -98,7 +103,7 @@ fn make(dir: &Path, config: &CityConfig, stop: &dyn Fn() -> bool) -> Result<Summ
     colmap::write_model(&dir.join("sparse/0"), &frames, Encoding::Binary)?;
     let summary = Summary { triangles: materials.len() as u64, frames: frames.len() as u64, reused: false };
     folder::sync(&dir.join("sparse/0"))?;
-    folder::remove_all(&dir.join(UNFINISHED))?;
+    folder::remove_unfinished(&store, UNFINISHED, is_unfinished)?;
     folder::finish(dir, config, summary)?;
     Ok(summary)
 }

@@ -11,6 +11,7 @@ mod decode;
 mod header;
 mod huffman;
 mod junk;
+mod parts;
 mod scan;
 #[cfg(test)]
 mod tests;

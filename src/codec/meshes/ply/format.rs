@@ -1,11 +1,11 @@
 //! The format PLY: read by its header, as text or as bytes.
 
 use std::io::BufReader;
-use std::path::Path;
 
 use super::header::{Encoding, Header};
 use super::{ascii, binary};
-use crate::base::{Error, Result, file};
+use crate::base::Result;
+use crate::base::input::Input;
 use crate::codec::meshes::format::MeshFormat;
 use crate::scene::survey::Polygons;
 
@@ -17,9 +17,8 @@ pub(crate) const PLY: MeshFormat = MeshFormat {
     tell,
 };
 
-fn tell(path: &Path, to: &mut dyn Polygons) -> Result<()> {
-    let file = file::open(path).map_err(Error::io("open", path))?;
-    let length = file.metadata().map_err(Error::io("read", path))?.len();
+fn tell(file: &mut Input, to: &mut dyn Polygons) -> Result<()> {
+    let (path, length) = (&file.path().to_owned(), file.length());
     let mut reader = BufReader::with_capacity(1 << 18, file);
     let header = Header::read(&mut reader, length, path)?;
     match header.encoding {

@@ -6,13 +6,13 @@
 //!           u64 points; each f64 x, f64 y, u64 point
 //! ```
 
-use std::fs::File;
-use std::io::{BufRead, BufReader, Read};
+use std::io::{self, BufRead, BufReader, ErrorKind, Read};
 use std::path::Path;
 
 use super::models;
 use super::posed::{Cameras, Image};
-use crate::base::{Error, Result, file};
+use crate::base::input::Input;
+use crate::base::{Error, Result};
 use crate::scene::frame::Frame;
 
 /// The bytes of a 2D point.
@@ -20,23 +20,26 @@ const POINT: u64 = 24;
 /// The most bytes of an image's name, its 0 among them.
 const LONGEST_NAME: u64 = 4096;
 
-/// A file that is read front to back; no skip goes past its end.
+/// A file that is read front to back, up to the length that it had when it was opened.
 struct Bytes {
-    file: BufReader<File>,
+    file: BufReader<Input>,
     left: u64,
+    /// The system's error, if there was one: it says nothing of what the file holds.
+    failed: Option<io::Error>,
 }
 
 impl Bytes {
     fn open(path: &Path) -> Result<Bytes> {
-        let file = file::open(path).map_err(Error::io("open", path))?;
-        let left = file.metadata().map_err(Error::io("read", path))?.len();
-        Ok(Bytes { file: BufReader::new(file), left })
+        let file = Input::open(path).map_err(Error::io("open", path))?;
+        let left = file.length();
+        Ok(Bytes { file: BufReader::new(file), left, failed: None })
     }
 
     fn take<const N: usize>(&mut self) -> Result<[u8; N], String> {
+        const CUT: &str = "the file ends within it; it was cut short";
         let mut bytes = [0; N];
-        self.file.read_exact(&mut bytes).map_err(|_| "the file ends within it; it was cut short".to_owned())?;
-        self.left -= N as u64;
+        self.left = self.left.checked_sub(N as u64).ok_or(CUT)?;
+        self.file.read_exact(&mut bytes).map_err(|why| self.keep(why, CUT))?;
         Ok(bytes)
     }
 
@@ -60,8 +63,8 @@ impl Bytes {
 
     fn name(&mut self) -> Result<String, String> {
         let mut bytes = Vec::new();
-        let read = (&mut self.file).take(LONGEST_NAME).read_until(0, &mut bytes).map_err(|e| e.to_string())?;
-        self.left -= read as u64;
+        let read = (&mut self.file).take(LONGEST_NAME.min(self.left)).read_until(0, &mut bytes);
+        self.left -= read.map_err(|why| self.keep(why, "its name cannot be read"))? as u64;
         if bytes.pop() != Some(0) {
             return Err(format!("its name does not end within {LONGEST_NAME} bytes"));
         }
@@ -72,21 +75,34 @@ impl Bytes {
         let bytes = bytes.filter(|&n| n <= self.left).ok_or("it claims more points than the file has bytes for")?;
         self.left -= bytes;
         let seek = i64::try_from(bytes).map_err(|e| e.to_string())?;
-        self.file.seek_relative(seek).map_err(|e| e.to_string())
+        self.file.seek_relative(seek).map_err(|why| self.keep(why, "its points cannot be skipped"))
+    }
+
+    /// Keeps an error of the system; gives what else there is to say.
+    fn keep(&mut self, why: io::Error, words: &str) -> String {
+        if why.kind() != ErrorKind::UnexpectedEof {
+            self.failed = Some(why);
+        }
+        words.to_owned()
+    }
+
+    /// Reads elements and the end after them; says in words what is wrong.
+    fn each(&mut self, what: &str, mut one: impl FnMut(&mut Bytes) -> Result<(), String>) -> Result<(), String> {
+        let count = self.u64()?;
+        for i in 0..count {
+            one(self).map_err(|why| format!("{what} {} of {count}: {why}", i + 1))?;
+        }
+        if self.left == 0 { Ok(()) } else { Err(format!("{} bytes follow its {count} {what}s", self.left)) }
     }
 }
 
 /// Reads the elements of a file; errors name the number of the element.
-fn each(path: &Path, what: &str, mut one: impl FnMut(&mut Bytes) -> Result<(), String>) -> Result<()> {
+fn each(path: &Path, what: &str, one: impl FnMut(&mut Bytes) -> Result<(), String>) -> Result<()> {
     let mut bytes = Bytes::open(path)?;
-    let count = bytes.u64().map_err(|why| Error::malformed(path, why))?;
-    for i in 0..count {
-        one(&mut bytes).map_err(|why| Error::malformed(path, format!("{what} {} of {count}: {why}", i + 1)))?;
-    }
-    if bytes.left > 0 {
-        return Err(Error::malformed(path, format!("{} bytes follow its {count} {what}s", bytes.left)));
-    }
-    Ok(())
+    let read = bytes.each(what, one);
+    let failed = bytes.failed.take().map_or_else(|| bytes.file.get_ref().check_unchanged(), Err);
+    failed.map_err(Error::io("read", path))?;
+    read.map_err(|found| Error::malformed(path, found))
 }
 
 /// Reads `cameras.bin`.

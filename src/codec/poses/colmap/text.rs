@@ -11,7 +11,8 @@ use std::str::FromStr;
 
 use super::models;
 use super::posed::{Cameras, Image};
-use crate::base::{Error, Result, file};
+use crate::base::input::Input;
+use crate::base::{Error, Result};
 use crate::scene::frame::Frame;
 
 /// The most bytes of a line: a million 2D points.
@@ -19,7 +20,7 @@ const LONGEST_LINE: u64 = 64 << 20;
 
 /// Gives each line that says something to `line`, which answers whether to skip the line after it.
 fn each_line(path: &Path, mut line: impl FnMut(&str) -> Result<bool, String>) -> Result<()> {
-    let mut file = BufReader::new(file::open(path).map_err(Error::io("open", path))?);
+    let mut file = BufReader::new(Input::open(path).map_err(Error::io("open", path))?);
     let (mut bytes, mut skip) = (Vec::new(), false);
     for number in 1.. {
         bytes.clear();
@@ -39,7 +40,7 @@ fn each_line(path: &Path, mut line: impl FnMut(&str) -> Result<bool, String>) ->
             skip = line(text).map_err(fault)?;
         }
     }
-    Ok(())
+    file.get_ref().check_unchanged().map_err(Error::io("read", path))
 }
 
 /// Takes the next word of a line as a number.

@@ -1,11 +1,11 @@
 //! Writes a sparse model without points. Frames with equal cameras share one camera of the model.
 
-use std::fs::File;
-use std::io::{self, BufWriter, Write};
+use std::io::{self, Write};
 use std::path::Path;
 
 use super::models::{self, Written};
 use crate::base::{Error, Result};
+use crate::disk::{WriteSeek, write_atomic};
 use crate::scene::camera::Camera;
 use crate::scene::frame::Frame;
 
@@ -56,13 +56,12 @@ pub fn write_model(folder: &Path, frames: &[Frame], encoding: Encoding) -> Resul
     }
 }
 
-fn file(folder: &Path, name: &str, write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> Result<()> {
+fn file(folder: &Path, name: &str, write: impl FnOnce(&mut (dyn WriteSeek + '_)) -> io::Result<()>) -> Result<()> {
     let path = folder.join(name);
-    let mut out = BufWriter::new(File::create(&path).map_err(Error::io("create", &path))?);
-    write(&mut out).and_then(|()| out.flush()).map_err(Error::io("write", &path))
+    write_atomic(&path, |out| write(out).map_err(Error::io("write", &path)))
 }
 
-fn binary_cameras(out: &mut impl Write, cameras: &[Entry<'_>]) -> io::Result<()> {
+fn binary_cameras(out: &mut (impl Write + ?Sized), cameras: &[Entry<'_>]) -> io::Result<()> {
     out.write_all(&(cameras.len() as u64).to_le_bytes())?;
     for Entry { id, camera, lens } in cameras {
         out.write_all(&id.to_le_bytes())?;
@@ -80,7 +79,7 @@ fn pose(frame: &Frame) -> [f64; 7] {
     [q.w, q.x, q.y, q.z, t.x, t.y, t.z]
 }
 
-fn binary_images(out: &mut impl Write, frames: &[Frame], cameras: &[u32]) -> io::Result<()> {
+fn binary_images(out: &mut (impl Write + ?Sized), frames: &[Frame], cameras: &[u32]) -> io::Result<()> {
     out.write_all(&(frames.len() as u64).to_le_bytes())?;
     for (id, (frame, camera)) in (1u32..).zip(frames.iter().zip(cameras)) {
         out.write_all(&id.to_le_bytes())?;
@@ -93,7 +92,7 @@ fn binary_images(out: &mut impl Write, frames: &[Frame], cameras: &[u32]) -> io:
     Ok(())
 }
 
-fn text_cameras(out: &mut impl Write, cameras: &[Entry<'_>]) -> io::Result<()> {
+fn text_cameras(out: &mut (impl Write + ?Sized), cameras: &[Entry<'_>]) -> io::Result<()> {
     writeln!(out, "# id model width height parameters")?;
     for Entry { id, camera, lens } in cameras {
         write!(out, "{id} {} {} {}", lens.name, camera.width, camera.height)?;
@@ -103,7 +102,7 @@ fn text_cameras(out: &mut impl Write, cameras: &[Entry<'_>]) -> io::Result<()> {
     Ok(())
 }
 
-fn text_images(out: &mut impl Write, frames: &[Frame], cameras: &[u32]) -> io::Result<()> {
+fn text_images(out: &mut (impl Write + ?Sized), frames: &[Frame], cameras: &[u32]) -> io::Result<()> {
     writeln!(out, "# id qw qx qy qz tx ty tz camera name, and an empty line in place of 2D points")?;
     for (id, (frame, camera)) in (1..).zip(frames.iter().zip(cameras)) {
         write!(out, "{id}")?;

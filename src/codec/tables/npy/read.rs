@@ -6,7 +6,8 @@ use std::path::Path;
 use super::header::{self, Fault, Header};
 use crate::base::array::SharedBytes;
 use crate::base::convert::{to_f32, to_usize};
-use crate::base::{Array, Error, Result, file};
+use crate::base::input::Input;
+use crate::base::{Array, Error, Result};
 
 /// Values that are converted at a time.
 const CHUNK: usize = 1 << 14;
@@ -16,8 +17,8 @@ const CHUNK: usize = 1 << 14;
 /// # Errors
 /// A file that cannot be read, or that is no array of `<f4` or `<f8` to its last byte.
 pub(crate) fn read_f32(path: &Path) -> Result<(Vec<usize>, Vec<f32>)> {
-    let file = file::open(path).map_err(Error::io("open", path))?;
-    let length = file.metadata().map_err(Error::io("read", path))?.len();
+    let file = Input::open(path).map_err(Error::io("open", path))?;
+    let length = file.length();
     parse(BufReader::new(file), length).map_err(|fault| fault.of(path))
 }
 

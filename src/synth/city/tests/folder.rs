@@ -83,6 +83,30 @@ fn a_finished_city_is_reused_and_an_interrupted_one_made_again() {
 }
 
 #[test]
+fn what_a_city_did_not_make_stays() {
+    let (dir, notes) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    generate_if_needed(dir.path(), &small(6), GO_ON).unwrap();
+    let own = ["images/frame_notes.txt", "images/frame_001.jpg.bak", "images/frame_1_mask.png", "images/x.gonio-tmp"];
+    folder::begin(dir.path()).unwrap();
+    fs::create_dir(dir.path().join("unfinished")).unwrap();
+    let own = own.into_iter().chain(["unfinished/thesis.tex", "notes.md"]);
+    own.clone().for_each(|name| fs::write(dir.path().join(name), "precious").unwrap());
+    generate_if_needed(dir.path(), &small(5), GO_ON).unwrap();
+    assert!(own.into_iter().all(|name| fs::read(dir.path().join(name)).unwrap() == b"precious"));
+    // A link in a folder's place would lead to somebody's photographs.
+    #[cfg(unix)]
+    {
+        fs::write(notes.path().join("frame_007.jpg"), "precious").unwrap();
+        fs::remove_dir_all(dir.path().join("images")).unwrap();
+        std::os::unix::fs::symlink(notes.path(), dir.path().join("images")).unwrap();
+        folder::begin(dir.path()).unwrap();
+        let why = generate_if_needed(dir.path(), &small(6), GO_ON).unwrap_err().to_string();
+        assert!(why.contains("images: it is a link or a file, where a folder of the city's is needed"), "{why}");
+        assert_eq!(fs::read(notes.path().join("frame_007.jpg")).unwrap(), b"precious");
+    }
+}
+
+#[test]
 fn an_interrupted_city_keeps_its_photographs() {
     let whole = tempfile::tempdir().unwrap();
     generate_if_needed(whole.path(), &small(6), GO_ON).unwrap();

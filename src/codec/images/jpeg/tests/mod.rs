@@ -76,7 +76,7 @@ fn written(&(samplings, plans, interval): &Kind) -> Written {
 
 fn read(file: &[u8]) -> Result<DynamicImage, String> {
     let header = Header::read(&mut Cursor::new(file)).map_err(|why| why.to_string())?;
-    decode(file.to_vec(), &header)
+    decode(file, &header)
 }
 
 /// What is wrong with a file.
