@@ -14,6 +14,7 @@ mod read;
 mod size;
 #[cfg(test)]
 mod tests;
+mod tiff;
 mod transfer;
 mod write;
 
