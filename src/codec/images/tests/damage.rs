@@ -71,7 +71,7 @@ fn an_exr_without_all_of_its_blocks_is_refused() {
     read(folder.path(), "a.exr", &whole).unwrap();
     // The table of the blocks' places comes before the first block, which is named by its first row, 0.
     let place = |at: usize| u64::from_le_bytes(whole[at..at + 8].try_into().unwrap()) as usize;
-    let is_table = |at: &usize| place(*at) > *at && place(*at) < whole.len() && (place(*at) - at) % 8 == 0;
+    let is_table = |at: &usize| place(*at) > *at && place(*at) < whole.len() && (place(*at) - at).is_multiple_of(8);
     let table = (300..whole.len() - 8).find(is_table).unwrap();
     let blocks = (place(table) - table) / 8;
     assert!(blocks > 0);

@@ -14,7 +14,7 @@ use crate::codec::images::jpeg;
 
 /// The compression of a TIFF.
 pub(super) enum Coding {
-    /// None.
+    /// No compression.
     Plain,
     /// LZW, as TIFF 6.0 has it.
     Lzw,
