@@ -1,5 +1,5 @@
-//! The ground floor: errors, ids, sets of triangles, conversions between numbers, units, content keys, arrays, files of others, the names of the
-//! phases, and the memory of the process.
+//! The ground floor: errors, ids, sets of triangles, conversions between numbers, units, content keys, arrays, files and texts of others, the
+//! names of the phases, and the memory of the process.
 
 pub(crate) mod array;
 mod bits;
@@ -10,6 +10,7 @@ pub(crate) mod ids;
 pub(crate) mod key;
 pub(crate) mod memory;
 pub(crate) mod phase;
+pub(crate) mod shown;
 pub(crate) mod units;
 
 pub(crate) use array::Array;

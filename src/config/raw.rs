@@ -10,7 +10,8 @@ use std::path::Path;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use super::problem::{Position, Problem, shown};
+use super::problem::{Position, Problem};
+use crate::base::shown::shown;
 
 /// The largest file that is read, in bytes; a file of a hundred keys has a fiftieth of them.
 const LARGEST: u64 = 1 << 18;
