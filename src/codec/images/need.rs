@@ -38,7 +38,8 @@ impl Need {
         let pixels = header.size.pixels();
         let masked = becomes == Becomes::Masked && header.alpha;
         let color = if masked { ColorType::Rgba32F } else { ColorType::Rgb32F };
-        Need::of(pixels * u64::from(color.bytes_per_pixel()) + header.workspace, pixels, color, becomes)
+        let decoded = pixels * u64::from(color.bytes_per_pixel());
+        Need::of(decoded.saturating_add(header.workspace), pixels, color, becomes)
     }
 
     /// The need of a PNG, whose rows are decoded in place.
@@ -76,7 +77,7 @@ impl Need {
             }
         };
         let converting = if kept { decoded } else { decoded + held };
-        Need { peak: decoding.max(converting) + SLACK, held }
+        Need { peak: decoding.max(converting).saturating_add(SLACK), held }
     }
 }
 

@@ -12,7 +12,7 @@ use image::{ColorType, DynamicImage, ImageDecoder, ImageFormat, ImageReader, Lim
 use super::need::{Becomes, Need, PNG_METADATA, tiff_values};
 use super::size::Size;
 use super::transfer::Curve;
-use super::{exr, jpeg};
+use super::{exr, hdr, jpeg, tiff};
 use crate::base::convert::to_usize;
 use crate::base::units::Bytes;
 use crate::base::{Error, Result, file};
@@ -39,7 +39,7 @@ pub(crate) fn is_picture(path: &Path) -> bool {
 ///
 /// # Errors
 /// No such file, an unknown format, a damaged header, a larger one.
-pub(crate) fn size(path: &Path) -> Result<Size> {
+pub fn size(path: &Path) -> Result<Size> {
     Ok(Opened::new(path, None, Becomes::Rgb)?.size)
 }
 
@@ -56,7 +56,7 @@ pub fn read_image(path: &Path, size: Size, curve: &Curve, memory: u64) -> Result
 ///
 /// # Errors
 /// Those of [`read_image`].
-pub(crate) fn read_picture(path: &Path, size: Size, curve: &Curve, memory: u64) -> Result<LinearImage> {
+pub fn read_picture(path: &Path, size: Size, curve: &Curve, memory: u64) -> Result<LinearImage> {
     let decoded = Opened::new(path, Some(size), Becomes::Masked)?.decode(memory)?;
     let mask = match &decoded {
         DynamicImage::ImageLumaA8(picture) => Some(opaque::<_, 2>(picture)),
@@ -108,7 +108,7 @@ pub(crate) fn mask_need(masks: &Path, name: &str, size: Size) -> Result<Need> {
 ///
 /// # Errors
 /// A damaged file, another size, a file that takes more memory.
-pub(crate) fn read_mask(masks: &Path, name: &str, size: Size, memory: u64) -> Result<Option<Vec<u8>>> {
+pub fn read_mask(masks: &Path, name: &str, size: Size, memory: u64) -> Result<Option<Vec<u8>>> {
     let Some(path) = mask_path(masks, name) else { return Ok(None) };
     Ok(Some(Opened::new(&path, Some(size), Becomes::Grey)?.decode(memory)?.into_luma8().into_raw()))
 }
@@ -140,11 +140,7 @@ impl<'a> Opened<'a> {
             .map_err(|_| Error::malformed(path, "no image that gonio reads: JPEG, PNG, TIFF, EXR or HDR"))?;
         let (content, size) = match format {
             ImageFormat::Jpeg => {
-                let header = jpeg::Header::read(&mut file).map_err(|why| match why.kind() {
-                    ErrorKind::UnexpectedEof => Error::malformed(path, "the JPEG is cut short within its header"),
-                    ErrorKind::InvalidData => Error::malformed(path, why.to_string()),
-                    _ => Error::io("read", path)(why),
-                })?;
+                let header = jpeg::Header::read(&mut file).map_err(|why| unheaded(path, "JPEG", why))?;
                 (Content::Jpeg(file, header), header.size)
             }
             ImageFormat::OpenExr => {
@@ -152,6 +148,11 @@ impl<'a> Opened<'a> {
                 (Content::Exr(file, header), header.size)
             }
             format => {
+                match format {
+                    ImageFormat::Tiff => tiff::check(&mut file).map_err(|why| unheaded(path, "TIFF", why))?,
+                    ImageFormat::Hdr => hdr::check(&mut file).map_err(|why| unheaded(path, "HDR", why))?,
+                    _ => {}
+                }
                 let mut reader = ImageReader::with_format(file, format);
                 reader.limits(limits(most, PNG_METADATA));
                 let decoder = reader.into_decoder().map_err(|why| refused(path, most, why))?;
@@ -232,6 +233,15 @@ fn limits(size: Size, bytes: u64) -> Limits {
     (limits.max_image_width, limits.max_image_height) = (Some(size.width), Some(size.height));
     limits.max_alloc = Some(bytes);
     limits
+}
+
+/// The error of a header that was looked at before the decoder sees it.
+fn unheaded(path: &Path, format: &str, why: std::io::Error) -> Error {
+    match why.kind() {
+        ErrorKind::UnexpectedEof => Error::malformed(path, format!("the {format} is cut short within its header")),
+        ErrorKind::InvalidData => Error::malformed(path, why.to_string()),
+        _ => Error::io("read", path)(why),
+    }
 }
 
 fn too_large(path: &Path, most: Size) -> Error {
