@@ -128,6 +128,9 @@ pub fn decode(compressed: &[u8], shard: ShardId, triangles: u32, records: u32) -
                 .and_then(|b| Bin::try_from(b).ok())
                 .filter(|&b| usize::from(b) < BINS)
                 .ok_or_else(|| wrong("bins out of order"))?;
+            if block.records.len() == records as usize {
+                return Err(wrong("more records than the index says"));
+            }
             let sum = next_sum(&mut counts, &mut radiance, &mut green).ok_or_else(|| wrong("a sum that cannot be"))?;
             block.records.push((bin, sum));
         }
