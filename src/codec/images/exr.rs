@@ -1,6 +1,6 @@
 //! OpenEXR: the first layer that has R, G and B, on the grid of the display window, one block at a time.
 
-use std::io::{BufReader, ErrorKind, Read, Seek};
+use std::io::{BufReader, Read, Seek};
 
 use exr::compression::Compression;
 use exr::error::Error;
@@ -11,8 +11,9 @@ use exr::prelude::{ReadChannels, ReadLayers, Text};
 
 use super::size::Size;
 
-/// The most bytes of a header; programs write a few hundred, and previews of tens of thousands.
-const LONGEST: u64 = 1 << 20;
+/// The most bytes of a header; programs write a few hundred, and previews of tens of thousands. An attribute of a few bytes
+/// becomes a thousand in memory.
+const LONGEST: u64 = 1 << 17;
 
 /// The bytes that the decoder holds for each block, to read the blocks in the order of the file: 82 were measured.
 const BLOCK: u64 = 96;
@@ -40,12 +41,8 @@ impl Header {
     /// In words: those of the decoder; a file without an RGB layer.
     pub(super) fn read(file: &mut impl Read) -> Result<Header, String> {
         // The decoder gathers attributes of any length.
-        let meta = MetaData::read_from_buffered(file.take(LONGEST), false).map_err(|why| match why {
-            Error::Io(why) if why.kind() == ErrorKind::UnexpectedEof => {
-                format!("the header ends early, or has more than {LONGEST} bytes")
-            }
-            why => why.to_string(),
-        })?;
+        let meta = MetaData::read_from_buffered(file.take(LONGEST), false);
+        let meta = meta.map_err(|why| format!("its header is damaged, or longer than {LONGEST} bytes: {why}"))?;
         let has = |header: &exr::meta::header::Header, name: &str| {
             header.channels.find_index_of_channel(&Text::from(name)).is_some()
         };
@@ -105,7 +102,7 @@ fn within(at: usize, offset: i32, side: u32) -> Option<usize> {
 
 fn words(why: Error) -> String {
     match why {
-        Error::Io(why) if why.kind() == ErrorKind::UnexpectedEof => "the file ends early".to_owned(),
+        Error::Io(why) if why.kind() == std::io::ErrorKind::UnexpectedEof => "the file ends early".to_owned(),
         why => why.to_string(),
     }
 }

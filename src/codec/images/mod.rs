@@ -11,6 +11,7 @@ mod exr;
 mod hdr;
 mod jpeg;
 mod need;
+mod png;
 mod read;
 mod size;
 #[cfg(test)]

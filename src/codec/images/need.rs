@@ -42,11 +42,12 @@ impl Need {
         Need::of(decoded.saturating_add(header.workspace), pixels, color, becomes)
     }
 
-    /// The need of a PNG, whose rows are decoded in place.
-    pub(super) fn of_png(size: Size, color: ColorType, becomes: Becomes) -> Need {
+    /// The need of a PNG, whose rows are decoded in place. `metadata` bytes come before its pixels: the decoder gathers a
+    /// chunk in a vector that grows, and then keeps what it holds.
+    pub(super) fn of_png(size: Size, color: ColorType, metadata: u64, becomes: Becomes) -> Need {
         let rows = 4 * u64::from(size.width) * u64::from(color.bytes_per_pixel());
         let decoded = size.pixels() * u64::from(color.bytes_per_pixel());
-        Need::of(decoded + rows + PNG_METADATA, size.pixels(), color, becomes)
+        Need::of(decoded + rows + 3 * metadata + PNG_METADATA, size.pixels(), color, becomes)
     }
 
     /// The need of a TIFF of this many bytes, which is decoded into a buffer and copied.
@@ -95,7 +96,7 @@ pub(super) enum Becomes {
 /// The bytes of buffers that do not grow with the image.
 const SLACK: u64 = 256 << 10;
 
-/// The most bytes of colour profiles, text and the like that a PNG may hold.
+/// The most bytes of colour profiles, text and the like that a PNG may hold, as they are and once they are decompressed.
 pub(super) const PNG_METADATA: u64 = 4 << 20;
 
 /// The most bytes that the values of a TIFF's directory, and a strip before it is decompressed, may take. The TIFF has

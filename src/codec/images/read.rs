@@ -12,7 +12,7 @@ use image::{ColorType, DynamicImage, ImageDecoder, ImageFormat, ImageReader, Lim
 use super::need::{Becomes, Need, PNG_METADATA, tiff_values};
 use super::size::Size;
 use super::transfer::Curve;
-use super::{exr, hdr, jpeg, tiff};
+use super::{exr, hdr, jpeg, png, tiff};
 use crate::base::convert::to_usize;
 use crate::base::units::Bytes;
 use crate::base::{Error, Result, file};
@@ -126,7 +126,12 @@ struct Opened<'a> {
 enum Content {
     Jpeg(BufReader<File>, jpeg::Header),
     Exr(BufReader<File>, exr::Header),
-    Other(Box<dyn ImageDecoder>, ImageFormat),
+    Other {
+        decoder: Box<dyn ImageDecoder>,
+        format: ImageFormat,
+        /// The bytes that come before the pixels of a PNG.
+        metadata: u64,
+    },
 }
 
 impl<'a> Opened<'a> {
@@ -148,17 +153,20 @@ impl<'a> Opened<'a> {
                 (Content::Exr(file, header), header.size)
             }
             format => {
-                match format {
-                    ImageFormat::Tiff => tiff::check(&mut file).map_err(|why| unheaded(path, "TIFF", why))?,
-                    ImageFormat::Hdr => hdr::check(&mut file).map_err(|why| unheaded(path, "HDR", why))?,
-                    _ => {}
-                }
+                let metadata = match format {
+                    ImageFormat::Png => png::metadata(&mut file).map_err(|why| unheaded(path, "PNG", why))?,
+                    ImageFormat::Tiff => {
+                        tiff::check(&mut file).map(|()| 0).map_err(|why| unheaded(path, "TIFF", why))?
+                    }
+                    ImageFormat::Hdr => hdr::check(&mut file).map(|()| 0).map_err(|why| unheaded(path, "HDR", why))?,
+                    _ => 0,
+                };
                 let mut reader = ImageReader::with_format(file, format);
                 reader.limits(limits(most, PNG_METADATA));
                 let decoder = reader.into_decoder().map_err(|why| refused(path, most, why))?;
                 let (width, height) = decoder.dimensions();
                 let size = Size { width, height };
-                (Content::Other(Box::new(decoder), format), size)
+                (Content::Other { decoder: Box::new(decoder), format, metadata }, size)
             }
         };
         if expected.is_some_and(|expected| size != expected) {
@@ -171,9 +179,11 @@ impl<'a> Opened<'a> {
         let need = match &content {
             Content::Jpeg(_, header) => Need::of_jpeg(header, length, becomes),
             Content::Exr(_, header) => Need::of_exr(header, becomes),
-            Content::Other(decoder, ImageFormat::Png) => Need::of_png(size, decoder.color_type(), becomes),
-            Content::Other(_, ImageFormat::Hdr) => Need::of_hdr(size, becomes),
-            Content::Other(decoder, _) => Need::of_tiff(size, decoder.color_type(), length, becomes),
+            Content::Other { decoder, format: ImageFormat::Png, metadata } => {
+                Need::of_png(size, decoder.color_type(), *metadata, becomes)
+            }
+            Content::Other { format: ImageFormat::Hdr, .. } => Need::of_hdr(size, becomes),
+            Content::Other { decoder, .. } => Need::of_tiff(size, decoder.color_type(), length, becomes),
         };
         Ok(Opened { path, size, length, content, becomes, need })
     }
@@ -203,7 +213,7 @@ impl<'a> Opened<'a> {
                 };
                 picture.ok_or_else(|| Error::malformed(path, "some of its pixels are missing"))
             }
-            Content::Other(mut decoder, format) => {
+            Content::Other { mut decoder, format, .. } => {
                 if format == ImageFormat::Tiff {
                     // The decoder subtracts the pixels from the limit; the values of the directory may have the rest.
                     let decoded = decoder.total_bytes();
