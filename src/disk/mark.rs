@@ -37,7 +37,7 @@ enum Owner {
 ///
 /// # Errors
 /// The folder cannot be read.
-pub(crate) fn foreign(folder: &Path) -> Result<Option<String>> {
+pub fn foreign(folder: &Path) -> Result<Option<String>> {
     Ok(match owner(folder)? {
         Owner::Other(names) => Some(described(&names)),
         Owner::Nobody | Owner::Run => None,

@@ -11,7 +11,7 @@ use std::path::Path;
 use crate::base::file;
 
 /// Checks that a library's file is complete. Files of other systems' formats pass.
-pub(super) fn complete(path: &Path) -> Result<(), String> {
+pub fn complete(path: &Path) -> Result<(), String> {
     let metadata = path.metadata().map_err(|e| e.to_string())?;
     if !metadata.is_file() {
         return Err("it is no file".into());
