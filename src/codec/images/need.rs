@@ -47,7 +47,9 @@ impl Need {
     pub(super) fn of_png(size: Size, color: ColorType, metadata: u64, becomes: Becomes) -> Need {
         let rows = 4 * u64::from(size.width) * u64::from(color.bytes_per_pixel());
         let decoded = size.pixels() * u64::from(color.bytes_per_pixel());
-        Need::of(decoded + rows + 3 * metadata + PNG_METADATA, size.pixels(), color, becomes)
+        // What deflate squeezed is at most 1032 times as long, and grows in a vector too.
+        let inflated = PNG_METADATA + (1032 * metadata).min(PNG_METADATA);
+        Need::of(decoded + rows + 3 * metadata + inflated, size.pixels(), color, becomes)
     }
 
     /// The need of a TIFF of this many bytes, which is decoded into a buffer and copied.
