@@ -6,6 +6,8 @@ use std::sync::{Arc, OnceLock};
 
 use super::atomic::AtomicFile;
 use super::folder::{Folder, Kind};
+#[cfg(all(test, unix))]
+use super::journal::{self, Step};
 use super::mark;
 use super::names::{Committed, Naming, SCRATCH, TEMPORARY, UNMARKED, check_name, fresh_id};
 use super::scratch::Spool;
@@ -278,10 +280,16 @@ fn make_folders(path: &Path) -> Result<()> {
     }
     let above = path.parent().unwrap_or(Path::new(""));
     make_folders(above)?;
-    match std::fs::create_dir(path) {
+    match create_folder(path) {
         Ok(()) => Folder::open(above).and_then(|above| above.sync()).map_err(Error::io("sync the folder of", path)),
         // Another thread or process was faster.
         Err(_) if path.is_dir() => Ok(()),
         Err(why) => Err(Error::io("create folder", path)(why)),
     }
+}
+
+fn create_folder(path: &Path) -> io::Result<()> {
+    #[cfg(all(test, unix))]
+    let _noted = journal::note_at(path, || Step::MakeFolder(path.to_owned()))?;
+    std::fs::create_dir(path)
 }

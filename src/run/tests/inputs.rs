@@ -130,7 +130,7 @@ impl Tried {
 }
 
 /// Leaves one triangle in sixteen: thousands of runs must not take long.
-fn thin(path: &Path) {
+pub(super) fn thin(path: &Path) {
     let Mesh { origin, positions, triangles } = meshes::read(path, &|_| Ok(())).unwrap();
     let triangles: Vec<[u32; 3]> = triangles.iter().copied().step_by(16).collect();
     let mut bytes = Vec::new();
