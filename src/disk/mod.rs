@@ -14,6 +14,7 @@
 //!   the mark ([`mark`]). A folder that holds files and no mark is refused.
 //! - **No link is followed.** A run's folder is held open, and what is below it is named relative to it ([`folder`]). Where
 //!   a link, a pipe or a device has a file's name, it is refused.
+//! - **What is built on is durable.** Whoever takes the lock syncs the folders that are there before it changes anything.
 //! - **Scratch is never committed.** [`Scratch`] has a temporary name and goes when it is dropped.
 //! - **Nothing is trusted.** A file's size is checked when a run is opened, its bytes when it is read: sealed files by
 //!   their footer, others by their unit record's checksum. Names cannot leave the store. A folder, link or device under
