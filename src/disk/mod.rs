@@ -28,14 +28,16 @@ mod done;
 pub(crate) mod faulty;
 mod folder;
 pub(crate) mod frozen;
-#[cfg(all(test, unix))]
+#[cfg(test)]
+#[cfg(unix)]
 pub(crate) mod journal;
 pub(crate) mod ledger;
 pub(crate) mod lock;
 pub(crate) mod mark;
 pub(crate) mod mem;
 pub(crate) mod names;
-#[cfg(all(test, unix))]
+#[cfg(test)]
+#[cfg(unix)]
 pub(crate) mod power;
 pub(crate) mod scratch;
 pub(crate) mod sealed;
