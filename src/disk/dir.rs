@@ -52,6 +52,24 @@ impl DirStore {
         self.folder().map_err(Error::io("open folder", &self.0.root))
     }
 
+    /// Makes durable that the folder is there, and the names in it and in the folders in it. A process that was killed between
+    /// a change and its sync left a change that every other process sees, and that is lost with the power.
+    pub(super) fn settle(&self, folder: &Folder) -> Result<()> {
+        for (name, kind) in folder.entries().map_err(Error::io("list", &self.0.root))? {
+            // A folder of others may be closed to us.
+            if kind == Some(Kind::Folder)
+                && let Ok(below) = folder.folder(&name)
+            {
+                below.sync().map_err(Error::io("sync", self.path(&name)))?;
+            }
+        }
+        folder.sync().map_err(Error::io("sync", &self.0.root))?;
+        // The folder above is somebody else's, and need not be one that can be synced.
+        let above = self.0.root.parent().unwrap_or(Path::new(""));
+        Folder::open(above).and_then(|above| above.sync()).unwrap_or_default();
+        Ok(())
+    }
+
     /// The id of the run: that of the folder's mark. It is asked for once the folder has its mark.
     fn run(&self) -> &str {
         self.attempt().split_once('-').map_or(UNMARKED, |(run, _)| run)

@@ -31,6 +31,8 @@ impl Lock {
     pub fn acquire(store: &DirStore) -> Result<Lock> {
         let folder = store.made_folder()?;
         mark::take(&folder, store.root())?;
+        // IMPORTANT: before the first change, which builds on what is there.
+        store.settle(&folder)?;
         let path = store.root().join(LOCK);
         let file = folder.open_or_create(LOCK).map_err(Error::io("open", &path))?;
         let mut said = String::new();

@@ -22,7 +22,7 @@ const BLOCK: u64 = 4096;
 pub(crate) enum Loss {
     /// Nothing: as if only the process had been killed.
     Nothing,
-    /// Everything.
+    /// Every change that is not durable.
     Everything,
     /// A random part: of this share, about.
     Some(SmallRng, f64),

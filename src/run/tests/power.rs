@@ -18,9 +18,9 @@ use crate::base::PhaseName;
 use crate::disk::journal::{Journal, Step};
 use crate::disk::names::TEMPORARY;
 use crate::disk::power::{Disk, Loss};
-use crate::disk::{DirStore, Ledger};
+use crate::disk::{DirStore, Ledger, Store};
 use crate::flow::StopSignal;
-use crate::phases::Progress;
+use crate::phases::{Progress, REPORT};
 use crate::pipeline::Pipeline;
 use crate::run::run;
 
@@ -151,6 +151,45 @@ fn cuts_that_lose_anything_cost_no_byte() {
             why, None,
             "seed {seed}: replay it with\n  GONIO_POWER_CUT={seed} cargo test --lib cuts_that_lose_anything"
         );
+    }
+}
+
+/// The page cache outlives the process, and so does what is not durable: the next run builds on it.
+#[test]
+fn a_kill_while_the_folder_is_taken_and_then_a_cut_cost_no_byte() {
+    let tried = Tried::new();
+    let is_lock = |step: &Step| matches!(step, Step::Rewrite(..));
+    let taken = tried.steps.iter().position(is_lock).unwrap() + 1;
+    for kill in 1..=taken {
+        let (steps, killed) = tried.killed(kill).unwrap();
+        for at in killed..killed + 6 {
+            for mut loss in [Loss::Everything, Loss::seeded(at as u64), Loss::seeded(1000 + at as u64)] {
+                let left = tried.cut(&steps[..at], &mut loss);
+                tried.survives(left.path()).unwrap_or_else(|why| {
+                    let shown: Vec<String> = steps[..at].iter().map(name_of).collect();
+                    panic!("a kill before step {kill} and a cut before step {at}: {why}\n{}", shown.join("\n"))
+                });
+            }
+        }
+    }
+}
+
+/// What a run found of one that was killed is as durable in the end as what it did itself.
+#[test]
+fn what_a_killed_and_then_finished_run_left_stays() {
+    let tried = Tried::new();
+    let units = |steps: &[Step]| {
+        let left = tried.cut(steps, &mut Loss::Everything);
+        is_whole(left.path()).unwrap();
+        let store = store(left.path());
+        let there = store.size(REPORT).unwrap().is_some() && outputs(&store) == tried.expected;
+        (there, store.list("units").unwrap().len(), store.list("groups").unwrap().len())
+    };
+    let whole = units(&tried.steps);
+    assert!(whole.0 && whole.1 > 5 && whole.2 == 1, "{whole:?}");
+    for kill in (0..=24).chain((25..tried.steps.len()).step_by(3)) {
+        let (steps, _) = tried.killed(kill).unwrap();
+        assert_eq!(units(&steps), whole, "after a kill before step {kill}, {:?}", tried.steps.get(kill).map(name_of));
     }
 }
 
