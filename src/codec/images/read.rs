@@ -256,11 +256,7 @@ impl Opened<'_, Cursor<&[u8]>> {
         }
         match content {
             Content::Jpeg(file, header) => {
-                let bytes = file.into_inner();
-                if !jpeg::is_whole(bytes) {
-                    return Err(Error::malformed(path, "the JPEG is cut short: its end is missing"));
-                }
-                jpeg::decode(bytes, &header).map_err(|why| Error::malformed(path, why))
+                jpeg::decode(file.into_inner(), &header).map_err(|why| Error::malformed(path, why))
             }
             Content::Exr(mut file, header) => {
                 file.set_position(0);
