@@ -36,7 +36,7 @@ const PASSING: [Fault; 5] = [
 const CHANGES: [Fault; 5] = [Fault::Cut, Fault::Grown, Fault::Exchanged, Fault::Overwritten, Fault::Gone];
 
 /// Schedules of several faults that are tried unless more are asked for.
-const FEW: u64 = 300;
+const FEW: u64 = 100;
 
 /// All files below a folder.
 fn files(folder: &Path) -> Files {

@@ -25,7 +25,7 @@ use crate::pipeline::Pipeline;
 use crate::run::run;
 
 /// Seeds that are tried unless more are asked for.
-const FEW: u64 = 300;
+const FEW: u64 = 100;
 
 /// A scene, what a run does to its folder, and what comes out.
 struct Tried {
