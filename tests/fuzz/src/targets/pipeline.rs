@@ -1,5 +1,6 @@
 //! Any pipeline file, and any arguments over it: what follows a byte 0 is one `--set`.
 
+use std::ffi::OsString;
 use std::fs;
 
 use gonio::load;
@@ -19,7 +20,7 @@ fn read(bytes: &[u8]) -> bool {
         ["cameras.bin", "images.bin"].iter().for_each(|name| fs::write(model.join(name), []).unwrap());
     }
     let path = input::file("any.toml", parts.next().unwrap_or_default());
-    let sets: Vec<String> = parts.map(|set| String::from_utf8_lossy(set).into_owned()).collect();
+    let sets: Vec<OsString> = parts.map(|set| String::from_utf8_lossy(set).into_owned().into()).collect();
     match load(&path, &sets) {
         Ok(_) => true,
         Err(problems) => {

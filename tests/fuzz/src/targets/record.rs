@@ -56,7 +56,7 @@ fn record(unit: &str, file: &[u8]) -> bool {
     assert_eq!(before.is_empty(), findings.is_empty());
     // What was set aside is found once.
     assert!(Ledger::read(Arc::clone(&shared)).unwrap().1.is_empty());
-    ledger.sweep(&["scene.cache", "units/"]).unwrap();
+    ledger.sweep().unwrap();
     findings.is_empty()
 }
 
