@@ -96,7 +96,7 @@ pub(super) enum Becomes {
 }
 
 /// The bytes of buffers that do not grow with the image.
-const SLACK: u64 = 256 << 10;
+const SLACK: u64 = 1 << 20;
 
 /// The most bytes of colour profiles, text and the like that a PNG may hold, as they are and once they are decompressed.
 pub(super) const PNG_METADATA: u64 = 4 << 20;
