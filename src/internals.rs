@@ -14,9 +14,15 @@ pub mod base {
     }
 }
 
+pub mod cache {
+    pub use crate::cache::{VERSION, open, write};
+}
+
 pub mod codec {
     pub mod images {
-        pub use crate::codec::images::{Curve, Size, Transfer, need, read_image, write_jpeg, write_png};
+        pub use crate::codec::images::{
+            Curve, Encoded, Size, Transfer, need, read_image, read_picture, size, write_jpeg, write_png,
+        };
     }
     pub mod meshes {
         pub use crate::codec::meshes::read;
@@ -34,17 +40,26 @@ pub mod codec {
     }
     pub mod tables {
         pub mod npy {
-            pub use crate::codec::tables::npy::read_rows;
+            pub use crate::codec::tables::npy::{read_rows, view};
         }
     }
 }
 
 pub mod disk {
     pub use crate::disk::{DirStore, Ledger, Lock, MemStore, Recipe, Store};
+
+    pub mod frozen {
+        pub use crate::disk::frozen::Frozen;
+    }
+    pub mod mark {
+        pub use crate::disk::mark::foreign;
+    }
 }
 
 pub mod model {
-    pub use crate::model::{BUILT_IN, Backend, Estimate, Estimator, Fit, ModelSource, load};
+    pub use crate::model::{
+        BUILT_IN, Backend, Contract, Estimate, Estimator, Fit, ModelSource, complete, for_rten, load,
+    };
 }
 
 pub mod scene {
@@ -68,7 +83,7 @@ pub mod scene {
 }
 
 pub mod shard {
-    pub use crate::shard::{Segment, collect_shard};
+    pub use crate::shard::{Blocks, Segment, ShardRows, collect_shard};
 
     pub mod block {
         pub use crate::shard::block::{Columns, decode};

@@ -33,7 +33,7 @@ fn what_is_no_library_is_refused() {
     std::fs::write(&empty, "").unwrap();
     for backend in [Backend::Auto, Backend::OnnxRuntime] {
         assert!(refusal(backend, &folder.path().join("none.so")).contains("No such file"));
-        assert!(refusal(backend, folder.path()).contains("it is no file"));
+        assert!(refusal(backend, folder.path()).contains("it is a folder, not a file"));
         assert!(refusal(backend, &text).contains("the system cannot open it"));
         assert!(refusal(backend, &empty).contains("the system cannot open it"));
     }

@@ -54,9 +54,9 @@ impl Finished {
 ///
 /// # Errors
 /// The folder does not exist.
-pub(super) fn writable(out: &Path) -> Result<()> {
-    let folder = out.parent().filter(|p| !p.as_os_str().is_empty());
-    match folder {
+pub(super) fn writable(pipeline: &Pipeline, out: &Path) -> Result<()> {
+    pipeline.may_write(out)?;
+    match out.parent().filter(|folder| !folder.as_os_str().is_empty()) {
         Some(folder) if !folder.is_dir() => {
             Err(Error::invalid(format!("{}: there is no folder {}: make it first", out.display(), folder.display())))
         }

@@ -23,7 +23,7 @@ use crate::trace::{PixelHit, TileRays};
 /// # Errors
 /// No frame of that name; anything that cannot be read or written.
 pub(crate) fn buffers(pipeline: &Pipeline, frame: &str, out: &Path) -> Result<()> {
-    writable(out)?;
+    writable(pipeline, out)?;
     let (.., scene) = looked_at(pipeline)?;
     let (_, frame) = scene.frame(frame)?;
     let (mesh, bvh) = (&scene.mesh, scene.bvh());
@@ -47,7 +47,7 @@ pub(crate) fn buffers(pipeline: &Pipeline, frame: &str, out: &Path) -> Result<()
 /// # Errors
 /// Those of [`read_maps`]; a file that cannot be written.
 pub(crate) fn maps(pipeline: &Pipeline, triangles: &[TriangleId], out: &Path) -> Result<()> {
-    writable(out)?;
+    writable(pipeline, out)?;
     let write = maps::writer(out)?;
     write(out, &read_maps(pipeline, triangles)?)
 }

@@ -40,7 +40,7 @@ const UNKNOWN: Material = Material { kd: [0.216; 3], ks: [0.0; 3], r: 1.0 };
 /// # Errors
 /// No finished run, no frame of that name, a sky or angles that are no numbers, anything that cannot be read or written.
 pub(crate) fn render(pipeline: &Pipeline, frame: &str, light: Light, beside: bool, out: &Path) -> Result<()> {
-    writable(out)?;
+    writable(pipeline, out)?;
     let Finished { scene, materials, .. } = Finished::open(pipeline)?;
     let (_, posed) = scene.frame(frame)?;
     let frame = as_decoded(pipeline, posed);

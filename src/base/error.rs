@@ -3,6 +3,8 @@
 
 use std::path::{Path, PathBuf};
 
+use super::shown::Plain;
+
 /// The result of work that can break a run.
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
@@ -10,7 +12,7 @@ pub type Result<T, E = Error> = std::result::Result<T, E>;
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// The operating system refused.
-    #[error("cannot {verb} {}: {source}", path.display())]
+    #[error("cannot {verb} {}: {}", Plain(path.display()), Plain(source))]
     Io {
         /// The attempt: "read", "create", "rename".
         verb: &'static str,
@@ -20,7 +22,7 @@ pub enum Error {
         source: std::io::Error,
     },
     /// A file is not what its format says it should be.
-    #[error("{}: {found}", path.display())]
+    #[error("{}: {}", Plain(path.display()), Plain(found))]
     Malformed {
         /// The file.
         path: PathBuf,
@@ -28,10 +30,10 @@ pub enum Error {
         found: String,
     },
     /// A request that cannot be met, whatever the files hold.
-    #[error("{0}")]
+    #[error("{}", Plain(.0))]
     Invalid(String),
     /// A thread of the dataflow panicked.
-    #[error("stage {stage} panicked: {message}")]
+    #[error("stage {stage} panicked: {}", Plain(message))]
     Panic {
         /// The stage's name.
         stage: String,
@@ -42,7 +44,7 @@ pub enum Error {
     #[error("interrupted; the same command goes on from here")]
     Interrupted,
     /// An error and what was being done.
-    #[error("{doing}: {source}")]
+    #[error("{}: {source}", Plain(doing))]
     Context {
         /// What was being done.
         doing: String,
@@ -106,5 +108,24 @@ impl Error {
     /// Whether the run was asked to stop and did not break.
     pub fn is_interrupt(&self) -> bool {
         matches!(self.cause(), Error::Interrupted)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_message_steers_a_terminal() {
+        let escape = "a\u{1b}[2Jb";
+        for error in [
+            Error::io("open", escape)(std::io::Error::other(escape)),
+            Error::malformed(escape, escape),
+            Error::invalid(escape).doing(escape),
+            Error::Panic { stage: "cast".to_owned(), message: escape.to_owned() },
+        ] {
+            let said = error.to_string();
+            assert!(said.contains(r"a\u{1b}[2Jb") && !said.contains(char::is_control), "{said:?}");
+        }
     }
 }

@@ -1,5 +1,5 @@
 //! The ground floor: errors, ids, sets of triangles, conversions between numbers, units, content keys, arrays, input
-//! files, calls of others' code, the names of the phases, and the memory of the process.
+//! files, texts and calls of others, the names of the phases, and the memory of the process.
 
 pub(crate) mod array;
 mod bits;
@@ -14,6 +14,7 @@ pub(crate) mod key;
 pub(crate) mod memory;
 pub(crate) mod patience;
 pub(crate) mod phase;
+pub(crate) mod shown;
 pub(crate) mod units;
 
 pub(crate) use array::Array;

@@ -27,8 +27,9 @@ mod read;
 mod tests;
 mod write;
 
-pub(crate) use read::open;
-pub(crate) use write::{building, write};
+pub use read::open;
+pub(crate) use write::building;
+pub use write::write;
 
 use crate::disk::Seal;
 use crate::scene::Mesh;
@@ -39,7 +40,7 @@ use crate::trace::Bvh;
 compile_error!("the scene cache maps arrays of little-endian numbers");
 
 /// The version of the layout and of the tree in it.
-pub(crate) const VERSION: u32 = 1;
+pub const VERSION: u32 = 1;
 
 const SEAL: Seal = Seal { magic: *b"GONIOSCN", version: VERSION, kind: "scene cache" };
 
@@ -54,7 +55,7 @@ const TABLE: usize = 8 * (ARRAYS + 3 + 1 + 1) + 8;
 
 /// The contents of a cache.
 #[derive(Debug, Clone)]
-pub(crate) struct Cached {
+pub struct Cached {
     /// The mesh.
     pub mesh: Mesh,
     /// The hierarchy over the mesh.

@@ -17,7 +17,7 @@ use crate::trace::{Bvh, Stored};
 ///
 /// # Errors
 /// `Error::Malformed` where the file is no cache, with what is wrong.
-pub(crate) fn open(store: &dyn Store, name: &str) -> Result<Cached> {
+pub fn open(store: &dyn Store, name: &str) -> Result<Cached> {
     let body = SEAL.open(store, name)?;
     parse(Arc::new(body)).map_err(|found| Error::malformed(store.path(name), found))
 }

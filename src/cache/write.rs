@@ -22,7 +22,7 @@ pub(crate) fn building(triangles: u64, vertices: u64) -> u64 {
 ///
 /// # Errors
 /// The file cannot be written; `Error::Interrupted` where `interrupted` says so.
-pub(crate) fn write(mesh: &Mesh, store: &dyn Store, name: &str, interrupted: &dyn Fn() -> bool) -> Result<FileEntry> {
+pub fn write(mesh: &Mesh, store: &dyn Store, name: &str, interrupted: &dyn Fn() -> bool) -> Result<FileEntry> {
     let out = SEAL.create(store, name)?;
     let mut body = Body { out, path: store.path(name), at: 0, start: 0, lengths: Vec::new() };
     body.array(bytemuck::cast_slice(&mesh.positions))?;

@@ -1,7 +1,8 @@
 //! Options that are chosen by name.
 
-use super::problem::{Problem, shown, unknown};
+use super::problem::{Problem, unknown};
 use super::raw::Node;
+use crate::base::shown::shown;
 
 /// An option that is chosen by name.
 pub trait Choice: Copy + PartialEq + 'static {

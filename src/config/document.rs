@@ -4,6 +4,7 @@ use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 
 use super::faults::Faults;
+use super::path::real;
 use super::problem::{Position, Problem};
 use super::raw::Table;
 
@@ -59,14 +60,4 @@ impl<'a> Document<'a> {
     pub fn into_faults(self) -> Faults {
         self.faults.into_inner()
     }
-}
-
-/// A path without links, `.` and `..`, as far as it leads somewhere.
-fn real(path: &Path) -> PathBuf {
-    let whole = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
-    let found = whole.ancestors().find_map(|above| Some((above, above.canonicalize().ok()?)));
-    found.map_or_else(
-        || whole.clone(),
-        |(above, real)| whole.strip_prefix(above).map_or_else(|_| real.clone(), |rest| real.join(rest)),
-    )
 }

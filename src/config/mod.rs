@@ -35,7 +35,7 @@ pub(crate) use document::Document;
 pub(crate) use faults::Faults;
 pub(crate) use key::{Former, Key, Now, Outline, Value};
 pub(crate) use keys::Keys;
-pub(crate) use path::Leads;
+pub(crate) use path::{Leads, real};
 pub(crate) use problem::unknown;
 pub use problem::{Position, Problem, Problems};
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::fs;
 use std::io::ErrorKind;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use super::problem::Problem;
 
@@ -59,4 +59,14 @@ impl Leads {
             (Err(why), _) => Err(wrong(&format!("cannot be read: {why}"))),
         }
     }
+}
+
+/// A path without links, `.` and `..`, as far as it leads somewhere.
+pub(crate) fn real(path: &Path) -> PathBuf {
+    let whole = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
+    let found = whole.ancestors().find_map(|above| Some((above, above.canonicalize().ok()?)));
+    found.map_or_else(
+        || whole.clone(),
+        |(above, real)| whole.strip_prefix(above).map_or_else(|_| real.clone(), |rest| real.join(rest)),
+    )
 }

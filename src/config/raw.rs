@@ -13,7 +13,8 @@ use toml::de::{DeTable, DeValue};
 
 use super::faults::Faults;
 use super::place::Places;
-use super::problem::{Position, Problem, shown};
+use super::problem::{Position, Problem};
+use crate::base::shown::shown;
 
 /// The largest file that is read, in bytes; a file of a hundred keys has a fiftieth of them.
 const LARGEST: u64 = 1 << 18;

@@ -8,6 +8,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::folder::{Folder, Kind, has_no_links};
+#[cfg(all(test, unix))]
+use super::journal::Step;
 use super::names::{Committed, Naming, TEMPORARY};
 use crate::base::{Error, Result};
 
@@ -49,7 +51,7 @@ impl AtomicFile {
     pub(super) fn commit(mut self, naming: Naming) -> Result<Committed> {
         // IMPORTANT: bytes first, then the name, then the folder that holds the name. A name that reaches the disk
         // before its bytes would leave a torn file that is trusted.
-        self.file.sync_all().map_err(Error::io("sync", &self.path))?;
+        self.sync().map_err(Error::io("sync", &self.path))?;
         match naming {
             Naming::Replace => {
                 refuse_strange(&self.folder, &self.name, &self.path)?;
@@ -66,6 +68,14 @@ impl AtomicFile {
         }
         self.folder.sync().map_err(Error::io("sync the folder of", &self.path))?;
         Ok(Committed::Now)
+    }
+
+    fn sync(&self) -> io::Result<()> {
+        #[cfg(all(test, unix))]
+        if self.folder.note(|at| Step::SyncFile(at.join(&self.temporary)))?.is_some() {
+            return Ok(());
+        }
+        self.file.sync_all()
     }
 
     /// Takes the name if it is free, in one step of the filesystem: two processes cannot both take it. `link` makes a
@@ -116,6 +126,10 @@ fn refuse_strange(folder: &Folder, name: &Path, path: &Path) -> Result<()> {
 
 impl Write for AtomicFile {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        #[cfg(all(test, unix))]
+        let at = self.file.stream_position()?;
+        #[cfg(all(test, unix))]
+        let _noted = self.folder.note(|above| Step::Write(above.join(&self.temporary), at, bytes.to_vec()))?;
         self.file.write(bytes)
     }
 

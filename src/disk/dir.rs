@@ -6,6 +6,8 @@ use std::sync::{Arc, OnceLock};
 
 use super::atomic::AtomicFile;
 use super::folder::{Folder, Kind};
+#[cfg(all(test, unix))]
+use super::journal::{self, Step};
 use super::mark;
 use super::names::{Committed, Naming, SCRATCH, TEMPORARY, UNMARKED, check_name, fresh_id};
 use super::scratch::Spool;
@@ -48,6 +50,24 @@ impl DirStore {
     pub(super) fn made_folder(&self) -> Result<Arc<Folder>> {
         make_folders(&self.0.root)?;
         self.folder().map_err(Error::io("open folder", &self.0.root))
+    }
+
+    /// Makes durable that the folder is there, and the names in it and in the folders in it. A process that was killed between
+    /// a change and its sync left a change that every other process sees, and that is lost with the power.
+    pub(super) fn settle(&self, folder: &Folder) -> Result<()> {
+        for (name, kind) in folder.entries().map_err(Error::io("list", &self.0.root))? {
+            // A folder of others may be closed to us.
+            if kind == Some(Kind::Folder)
+                && let Ok(below) = folder.folder(&name)
+            {
+                below.sync().map_err(Error::io("sync", self.path(&name)))?;
+            }
+        }
+        folder.sync().map_err(Error::io("sync", &self.0.root))?;
+        // The folder above is somebody else's, and need not be one that can be synced.
+        let above = self.0.root.parent().unwrap_or(Path::new(""));
+        Folder::open(above).and_then(|above| above.sync()).unwrap_or_default();
+        Ok(())
     }
 
     /// The id of the run: that of the folder's mark. It is asked for once the folder has its mark.
@@ -278,10 +298,16 @@ fn make_folders(path: &Path) -> Result<()> {
     }
     let above = path.parent().unwrap_or(Path::new(""));
     make_folders(above)?;
-    match std::fs::create_dir(path) {
+    match create_folder(path) {
         Ok(()) => Folder::open(above).and_then(|above| above.sync()).map_err(Error::io("sync the folder of", path)),
         // Another thread or process was faster.
         Err(_) if path.is_dir() => Ok(()),
         Err(why) => Err(Error::io("create folder", path)(why)),
     }
+}
+
+fn create_folder(path: &Path) -> io::Result<()> {
+    #[cfg(all(test, unix))]
+    let _noted = journal::note_at(path, || Step::MakeFolder(path.to_owned()))?;
+    std::fs::create_dir(path)
 }

@@ -30,7 +30,7 @@ const SEAL: JsonSeal = JsonSeal { body: "items", version: VERSION, kind: "page o
 
 /// A list that is only added to.
 #[derive(Debug)]
-pub(crate) struct Frozen<T> {
+pub struct Frozen<T> {
     store: Arc<dyn Store>,
     name: String,
     items: Vec<T>,
@@ -40,7 +40,7 @@ pub(crate) struct Frozen<T> {
 
 /// The end of a list that was lost.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct Damage {
+pub struct Damage {
     /// The first page that cannot be read.
     pub page: String,
     /// What was found there, in words.
@@ -54,7 +54,7 @@ impl<T: Serialize + DeserializeOwned> Frozen<T> {
     ///
     /// # Errors
     /// A page is of another version; the store fails.
-    pub(crate) fn read(store: Arc<dyn Store>, name: &str) -> Result<(Frozen<T>, Option<Damage>)> {
+    pub fn read(store: Arc<dyn Store>, name: &str) -> Result<(Frozen<T>, Option<Damage>)> {
         let mut frozen = Frozen { store, name: name.to_owned(), items: Vec::new(), pages: 0 };
         let there = frozen.there()?;
         let last = there.last().copied();
@@ -78,7 +78,7 @@ impl<T: Serialize + DeserializeOwned> Frozen<T> {
     ///
     /// # Errors
     /// As for [`Frozen::read`].
-    pub(crate) fn open(store: Arc<dyn Store>, name: &str) -> Result<(Frozen<T>, Option<Damage>)> {
+    pub fn open(store: Arc<dyn Store>, name: &str) -> Result<(Frozen<T>, Option<Damage>)> {
         let (frozen, mut damage) = Frozen::read(store, name)?;
         if let Some(damage) = &mut damage {
             // IMPORTANT: the last page goes first. Whenever this stops, the next try finds the same damage.
@@ -92,7 +92,7 @@ impl<T: Serialize + DeserializeOwned> Frozen<T> {
     }
 
     /// The items, in the order in which they were added.
-    pub(crate) fn items(&self) -> &[T] {
+    pub fn items(&self) -> &[T] {
         &self.items
     }
 
@@ -101,7 +101,7 @@ impl<T: Serialize + DeserializeOwned> Frozen<T> {
     ///
     /// # Errors
     /// The other process's page is corrupt; the store fails.
-    pub(crate) fn add(&mut self, more: Vec<T>) -> Result<Committed> {
+    pub fn add(&mut self, more: Vec<T>) -> Result<Committed> {
         if more.is_empty() {
             return Ok(Committed::Now);
         }

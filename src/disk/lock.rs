@@ -5,6 +5,8 @@ use std::fs::{File, TryLockError};
 use std::io::{Read, Seek, Write};
 
 use super::dir::DirStore;
+#[cfg(all(test, unix))]
+use super::journal::Step;
 use super::mark;
 use crate::base::{Error, Result};
 
@@ -29,6 +31,8 @@ impl Lock {
     pub fn acquire(store: &DirStore) -> Result<Lock> {
         let folder = store.made_folder()?;
         mark::take(&folder, store.root())?;
+        // IMPORTANT: before the first change, which builds on what is there.
+        store.settle(&folder)?;
         let path = store.root().join(LOCK);
         let file = folder.open_or_create(LOCK).map_err(Error::io("open", &path))?;
         let mut said = String::new();
@@ -46,6 +50,10 @@ impl Lock {
             }
             Err(TryLockError::Error(why)) => return Err(Error::io("lock", &path)(why)),
         }
+        #[cfg(all(test, unix))]
+        let noted = folder.note(|at| Step::Rewrite(at.join(LOCK), format!("{}\n", std::process::id()).into()));
+        #[cfg(all(test, unix))]
+        let _noted = noted.map_err(Error::io("write", &path))?;
         let mut lock = Lock { file };
         // What no lock wrote is somebody's, by a hard link perhaps: the file locks as well with that in it.
         if read.is_ok() && (said.is_empty() || said.trim_end().parse::<u32>().is_ok()) {

@@ -40,7 +40,7 @@ enum Owner {
 ///
 /// # Errors
 /// The folder cannot be read.
-pub(crate) fn foreign(folder: &Path) -> Result<Option<String>> {
+pub fn foreign(folder: &Path) -> Result<Option<String>> {
     if folder == Path::new("") {
         // No folder was named, which is told elsewhere.
         return Ok(None);

@@ -14,6 +14,7 @@
 //!   the mark ([`mark`]). A folder that holds files and no mark is refused.
 //! - **No link is followed.** A run's folder is held open, and what is below it is named relative to it ([`folder`]). Where
 //!   a link, a pipe or a device has a file's name, it is refused.
+//! - **What is built on is durable.** Whoever takes the lock syncs the folders that are there before it changes anything.
 //! - **Scratch is never committed.** [`Scratch`] has a temporary name and goes when it is dropped.
 //! - **Nothing is trusted.** A file's size is checked when a run is opened, its bytes when it is read: sealed files by
 //!   their footer, others by their unit record's checksum. Names cannot leave the store. A folder, link or device under
@@ -27,11 +28,17 @@ mod done;
 pub(crate) mod faulty;
 mod folder;
 pub(crate) mod frozen;
+#[cfg(test)]
+#[cfg(unix)]
+pub(crate) mod journal;
 pub(crate) mod ledger;
 pub(crate) mod lock;
 pub(crate) mod mark;
 pub(crate) mod mem;
 pub(crate) mod names;
+#[cfg(test)]
+#[cfg(unix)]
+pub(crate) mod power;
 pub(crate) mod scratch;
 pub(crate) mod sealed;
 mod sealed_json;

@@ -10,6 +10,7 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 
 use super::declared::{Array, Declared, Size};
+use crate::base::shown::{short, shown};
 use crate::base::{Error, Result};
 use crate::scene::Material;
 use crate::scene::light::LocalLight;
@@ -108,7 +109,7 @@ impl Contract {
     }
 
     /// Parses a model's bytes and checks its declarations.
-    pub(super) fn read(model: &Path, bytes: &[u8]) -> Result<Contract> {
+    pub fn read(model: &Path, bytes: &[u8]) -> Result<Contract> {
         let wrong = |found: String| Error::malformed(model, found);
         let declared = Declared::read(bytes);
         let declared = declared.map_err(|fault| wrong(format!("not an ONNX file, or a damaged one: {fault}")))?;
@@ -121,7 +122,8 @@ impl Contract {
     fn check(model: &Path, declared: &Declared<'_>) -> Result<Contract, String> {
         if let Some(weight) = declared.outside {
             return Err(format!(
-                "the weight {weight:?} lies in another file; export the model with all weights inside"
+                "the weight {} lies in another file; export the model with all weights inside",
+                shown(weight)
             ));
         }
         let (form, light) = inputs(&declared.inputs)?;
@@ -135,28 +137,46 @@ impl Contract {
         let kind = match metadata("gonio.kind")? {
             "lobe" => Layout::Lobe,
             "sphere" => Layout::Sphere,
-            other => return Err(format!("the metadata gonio.kind is {other:?}; it must be \"lobe\" or \"sphere\"")),
+            other => {
+                return Err(format!("the metadata gonio.kind is {}; it must be \"lobe\" or \"sphere\"", shown(other)));
+            }
         };
-        let version = metadata("gonio.version")?.to_owned();
-        let training: serde_json::Value = serde_json::from_str(metadata("gonio.training")?)
-            .map_err(|e| format!("the metadata gonio.training must be one JSON object: {e}"))?;
-        if !training.is_object() {
-            return Err(format!("the metadata gonio.training is {training}; it must be one JSON object"));
+        let version = metadata("gonio.version")?;
+        if version.is_empty() || version.len() > 100 || version.contains(char::is_control) {
+            let rule = "it must be 1 to 100 bytes of text without control characters";
+            return Err(format!("the metadata gonio.version is {}; {rule}", shown(version)));
         }
+        let training = training(metadata("gonio.training")?)?;
         let input = match form {
             Form::Dense(channels) => Input::Dense { channels },
             Form::Bins => Input::Bins { most: most_bins(metadata("gonio.bins").ok())? },
         };
         let deviation = metadata("gonio.deviation").ok().map(deviation).transpose()?;
-        Ok(Contract { model: model.to_owned(), kind, input, light, version, deviation, training })
+        Ok(Contract { model: model.to_owned(), kind, input, light, version: version.to_owned(), deviation, training })
     }
+}
+
+/// Parses `gonio.training`, a JSON object.
+fn training(text: &str) -> Result<serde_json::Value, String> {
+    const LONGEST: usize = 1 << 16;
+    if text.len() > LONGEST {
+        return Err(format!("the metadata gonio.training has {} bytes; {LONGEST} are the most", text.len()));
+    }
+    let training: serde_json::Value = serde_json::from_str(text)
+        .map_err(|why| format!("the metadata gonio.training must be one JSON object: {why}"))?;
+    if !training.is_object() {
+        return Err(format!("the metadata gonio.training is {}; it must be one JSON object", short(text)));
+    }
+    Ok(training)
 }
 
 /// Parses `gonio.deviation`, a JSON list.
 fn deviation(text: &str) -> Result<[f32; Material::LEN], String> {
     let list = serde_json::from_str::<[f32; Material::LEN]>(text).ok();
     let list = list.filter(|list| list.iter().all(|d| (1e-4..=1.0).contains(d)));
-    list.ok_or_else(|| format!("the metadata gonio.deviation is {text:?}; it must be a list of 7 numbers, 0.0001 to 1"))
+    list.ok_or_else(|| {
+        format!("the metadata gonio.deviation is {}; it must be a list of 7 numbers, 0.0001 to 1", shown(text))
+    })
 }
 
 /// The number of values of a bin: direction, rgb, observations.
@@ -210,7 +230,7 @@ fn inputs(inputs: &[Array<'_>]) -> Result<(Form, LightInput), String> {
 fn most_bins(found: Option<&str>) -> Result<usize, String> {
     let number = found.and_then(|text| text.parse().ok()).filter(|n| (1..=FRONT_BINS).contains(n));
     number.ok_or_else(|| {
-        let found = found.map_or("missing".to_owned(), |text| format!("{text:?}"));
+        let found = found.map_or("missing".to_owned(), shown);
         format!("the metadata gonio.bins is {found}; a model with the input bins says there how many it takes, 1 to {FRONT_BINS}")
     })
 }
@@ -225,7 +245,7 @@ fn output(outputs: &[Array<'_>]) -> Result<(), String> {
             Ok(())
         }
         _ => {
-            let found: Vec<String> = outputs.iter().map(words).collect();
+            let found: Vec<String> = outputs.iter().take(3).map(words).collect();
             Err(format!("the output {}; {NEEDED}", found.join(" and ")))
         }
     }
@@ -256,15 +276,59 @@ fn is_f32(array: &Array<'_>) -> bool {
     array.element == Some(1)
 }
 
+/// The most sizes of an array that are shown.
+const SIZES: usize = 8;
+
 /// An array as the file declares it: `map f32 [N, 4, 60, 120]`.
 fn words(array: &Array<'_>) -> String {
-    let Some(element) = array.element else { return format!("{} is no array", array.name) };
+    let Some(element) = array.element else { return format!("{} is no array", short(array.name)) };
     let known = usize::try_from(element).ok().and_then(|n| ELEMENTS.get(n));
     let element = known.map_or_else(|| format!("of unknown type {element}"), |name| (*name).to_owned());
     let sizes = array.shape.iter().map(|size| match size {
         Size::Fixed(n) => n.to_string(),
-        Size::Named(name) => (*name).to_owned(),
+        Size::Named(name) => short(name),
         Size::Unknown => "?".to_owned(),
     });
-    format!("is {} {element} [{}]", array.name, sizes.collect::<Vec<_>>().join(", "))
+    let dots = if array.shape.len() > SIZES { ", ..." } else { "" };
+    format!("is {} {element} [{}{dots}]", short(array.name), sizes.take(SIZES).collect::<Vec<_>>().join(", "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::proto::hold;
+    use super::*;
+
+    /// A model with one input of this name and this metadata.
+    fn refusal(input: &[u8], metadata: &[(&str, &str)]) -> String {
+        let (mut value, mut graph, mut model) = (Vec::new(), Vec::new(), Vec::new());
+        hold(&mut value, 1, input);
+        hold(&mut graph, 11, &value);
+        hold(&mut model, 7, &graph);
+        for (key, text) in metadata {
+            let mut entry = Vec::new();
+            hold(&mut entry, 1, key.as_bytes());
+            hold(&mut entry, 2, text.as_bytes());
+            hold(&mut model, 14, &entry);
+        }
+        Contract::read(Path::new("a.onnx"), &model).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn a_name_in_a_message_is_short_and_steers_no_terminal() {
+        for name in [&b"\x1b[2J\n"[..], &[b'a'; 1 << 16], &[7; 1 << 16]] {
+            let why = refusal(name, &[]);
+            assert!(why.contains("is no array") && why.len() < 1000 && !why.contains(char::is_control), "{why:?}");
+        }
+    }
+
+    #[test]
+    fn metadata_is_bounded_and_shown_in_short() {
+        let (deep, long) = ("[".repeat(1 << 15), format!("{{\"a\": \"{}\"}}", "b".repeat(1 << 16)));
+        for text in ["[1]", &deep, &long, "\u{1b}"] {
+            let why = training(text).unwrap_err();
+            assert!(why.contains("gonio.training") && why.len() < 300, "{why}");
+        }
+        assert!(training("{\"a\": [1]}").is_ok());
+        assert!(deviation(&"9".repeat(1 << 16)).unwrap_err().len() < 300);
+    }
 }

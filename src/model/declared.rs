@@ -45,6 +45,10 @@ pub(super) enum Size<'a> {
 /// How deep messages may nest. Other parsers draw the same line.
 const DEEPEST: usize = 100;
 
+/// The most fields of all messages; a network of a hundred layers has a few thousand. A field of 2 bytes becomes a hundred in
+/// an engine's memory.
+const MOST_FIELDS: usize = 1 << 20;
+
 /// The kinds of message that hold messages (onnx.proto, IR version 10).
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Message {
@@ -101,7 +105,9 @@ impl<'a> Declared<'a> {
     /// The reason why the file is no ONNX file, or a damaged one.
     pub(super) fn read(file: &'a [u8]) -> Result<Declared<'a>, Fault> {
         let mut declared = Declared::default();
-        walk(file, Message::Model, DEEPEST, &mut declared.outside)?;
+        let mut walk = Walk { outside: None, fields: MOST_FIELDS };
+        walk.message(file, Message::Model, DEEPEST)?;
+        declared.outside = walk.outside;
         for field in fields(file) {
             let field = field?;
             match field.number {
@@ -164,26 +170,36 @@ impl<'a> Size<'a> {
     }
 }
 
-/// Walks a message and all messages in it, and notes the first weight that lies in another file.
-fn walk<'a>(message: &'a [u8], kind: Message, depth: usize, outside: &mut Option<&'a str>) -> Result<(), Fault> {
-    let depth = depth.checked_sub(1).ok_or("its messages nest too deep")?;
-    let (mut name, mut elsewhere) = ("", false);
-    for field in fields(message) {
-        let field = field?;
-        match (kind, field.number) {
-            (Message::Tensor, 8) => name = field.text()?,
-            (Message::Tensor, 13) => elsewhere = true,
-            (Message::Tensor, 14) => elsewhere |= field.number()? == 1,
-            _ => {}
+/// A walk through a message and all messages in it.
+struct Walk<'a> {
+    /// The first weight that lies in another file.
+    outside: Option<&'a str>,
+    /// How many more fields there may be.
+    fields: usize,
+}
+
+impl<'a> Walk<'a> {
+    fn message(&mut self, message: &'a [u8], kind: Message, depth: usize) -> Result<(), Fault> {
+        let depth = depth.checked_sub(1).ok_or("its messages nest too deep")?;
+        let (mut name, mut elsewhere) = ("", false);
+        for field in fields(message) {
+            let field = field?;
+            self.fields = self.fields.checked_sub(1).ok_or("it has more than 1048576 fields")?;
+            match (kind, field.number) {
+                (Message::Tensor, 8) => name = field.text()?,
+                (Message::Tensor, 13) => elsewhere = true,
+                (Message::Tensor, 14) => elsewhere |= field.number()? == 1,
+                _ => {}
+            }
+            if let Some(kind) = kind.within(field.number) {
+                self.message(field.bytes()?, kind, depth)?;
+            }
         }
-        if let Some(kind) = kind.within(field.number) {
-            walk(field.bytes()?, kind, depth, outside)?;
+        if elsewhere {
+            self.outside.get_or_insert(name);
         }
+        Ok(())
     }
-    if elsewhere {
-        outside.get_or_insert(name);
-    }
-    Ok(())
 }
 
 fn entry(message: &[u8]) -> Result<(&str, &str), Fault> {
@@ -194,6 +210,18 @@ fn entry(message: &[u8]) -> Result<(&str, &str), Fault> {
 mod tests {
     use super::super::proto::hold;
     use super::*;
+
+    #[test]
+    fn a_flood_of_fields_is_refused_before_it_is_held() {
+        // Inputs without a name: 2 bytes each in the file, and 64 in memory.
+        let graph = [11 << 3 | 2, 0].repeat(MOST_FIELDS);
+        let mut model = Vec::new();
+        hold(&mut model, 7, &graph);
+        assert_eq!(Declared::read(&model), Err("it has more than 1048576 fields"));
+        let mut fewer = Vec::new();
+        hold(&mut fewer, 7, &graph[..2 * (MOST_FIELDS / 2 - 1)]);
+        assert_eq!(Declared::read(&fewer).unwrap().inputs.len(), MOST_FIELDS / 2 - 1);
+    }
 
     /// A field that holds a message or a text.
     fn held(number: u8, bytes: &[u8]) -> Vec<u8> {

@@ -10,7 +10,7 @@ use std::path::Path;
 use crate::base::input::Input;
 
 /// Checks that a library's file is complete. Files of other systems' formats pass.
-pub(super) fn complete(path: &Path) -> Result<(), String> {
+pub fn complete(path: &Path) -> Result<(), String> {
     let mut file = Input::open(path).map_err(|e| e.to_string())?;
     let length = file.length();
     match segments_end(&mut file) {

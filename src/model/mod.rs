@@ -33,9 +33,12 @@ mod session;
 mod source;
 
 pub use backend::Backend;
+pub use contract::Contract;
+pub use elf::complete;
 pub(crate) use embedded::one_thread;
 pub(crate) use estimator::Session;
 pub use estimator::{Estimate, Estimator};
 pub use fit::Fit;
 pub use onnx::load;
+pub use rewrite::for_rten;
 pub use source::{BUILT_IN, ModelSource};

@@ -19,7 +19,7 @@ impl Input {
     }
 
     /// The sizes that maps are filled up to, ascending; a dense map has one size.
-    pub(super) fn sizes(self) -> Vec<usize> {
+    pub fn sizes(self) -> Vec<usize> {
         match self {
             Input::Dense { .. } => vec![BINS],
             Input::Bins { most } => SIZES.into_iter().filter(|&size| size < most).chain([most]).collect(),
@@ -27,7 +27,7 @@ impl Input {
     }
 
     /// The number of values of a map of this size.
-    pub(super) fn values(self, size: usize) -> usize {
+    pub fn values(self, size: usize) -> usize {
         size * match self {
             Input::Dense { channels } => channels,
             Input::Bins { .. } => BIN,
@@ -35,7 +35,7 @@ impl Input {
     }
 
     /// Writes a map into zeros.
-    pub(super) fn write(self, map: &SparseMap, out: &mut [f32]) {
+    pub fn write(self, map: &SparseMap, out: &mut [f32]) {
         match self {
             Input::Dense { channels } => map.write_dense(channels, out),
             Input::Bins { most } => write_bins(map, most, out),

@@ -27,7 +27,7 @@ struct Weight<'a> {
 }
 
 /// The bytes of the rewritten model.
-pub(super) fn for_rten(model: &[u8]) -> Result<Vec<u8>, Fault> {
+pub fn for_rten(model: &[u8]) -> Result<Vec<u8>, Fault> {
     let mut out = Vec::with_capacity(model.len() + model.len() / 64);
     for field in fields(model) {
         let field = field?;

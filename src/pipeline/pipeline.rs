@@ -1,11 +1,12 @@
 //! A pipeline file, checked.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use super::run::Run;
 use super::scene::Scene;
 use super::synth::{MESH, Synth};
-use crate::config::{Effect, Section, Setting};
+use crate::base::{Error, Result};
+use crate::config::{Effect, Section, Setting, real};
 use crate::stages::{cast, decode, export, gather, infer, light, merge};
 use crate::synth::city;
 
@@ -41,6 +42,25 @@ impl Pipeline {
     pub fn is_made(&self) -> bool {
         let is_here = |synth: &Synth| self.scene.mesh == synth.into.join(MESH);
         self.synth.as_ref().filter(|synth| is_here(synth)).is_none_or(|s| city::is_finished(&s.into, &s.city))
+    }
+
+    /// Refuses a place for something that a command writes, if one of the pipeline's inputs lies there.
+    ///
+    /// # Errors
+    /// The place is an input, or in a folder of inputs.
+    pub(crate) fn may_write(&self, out: &Path) -> Result<()> {
+        let Scene { mesh, images, poses, masks, .. } = &self.scene;
+        let model = if let infer::Model::File(model) = &self.infer.model { Some(model) } else { None };
+        let inputs = [&self.file, mesh, images, &poses.path].into_iter().chain(masks).chain(model);
+        let place = real(out);
+        match inputs.into_iter().find(|input| place.starts_with(real(input))) {
+            None => Ok(()),
+            Some(input) => Err(Error::invalid(format!(
+                "{} lies where an input of the pipeline is ({}), which is never written to: name another file",
+                out.display(),
+                input.display()
+            ))),
+        }
     }
 
     /// Every setting of every section.

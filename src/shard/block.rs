@@ -3,6 +3,7 @@
 use std::io::Read;
 
 use super::varint::{Column, put, put_signed};
+use crate::base::convert::to_usize;
 use crate::base::ids::{ShardId, TriangleId};
 use crate::scene::reflectance::{BINS, Bin, BinSum};
 
@@ -94,9 +95,11 @@ pub fn decode(compressed: &[u8], shard: ShardId, triangles: u32, records: u32) -
     if shard > ShardId::LAST {
         return Err(wrong("no triangle is in that shard"));
     }
-    let mut raw = Vec::new();
-    // The numbers of a record take at most 2 + 10 + 3 * 20 bytes, so a bomb stops here.
+    // The numbers of a record take at most 2 + 10 + 3 * 20 bytes, so a bomb stops here. A vector that grows would hold twice as
+    // much; what is set aside and not filled takes no memory.
     let limit = u64::from(triangles) * 20 + u64::from(records) * 72 + 64;
+    let mut raw = Vec::new();
+    raw.try_reserve_exact(to_usize(limit)).map_err(|_| wrong("there is no memory for as much as the index says"))?;
     zstd::stream::read::Decoder::new(compressed)
         .and_then(|d| d.take(limit).read_to_end(&mut raw))
         .map_err(|e| wrong(&format!("not zstd: {e}")))?;
@@ -128,6 +131,9 @@ pub fn decode(compressed: &[u8], shard: ShardId, triangles: u32, records: u32) -
                 .and_then(|b| Bin::try_from(b).ok())
                 .filter(|&b| usize::from(b) < BINS)
                 .ok_or_else(|| wrong("bins out of order"))?;
+            if block.records.len() == records as usize {
+                return Err(wrong("more records than the index says"));
+            }
             let sum = next_sum(&mut counts, &mut radiance, &mut green).ok_or_else(|| wrong("a sum that cannot be"))?;
             block.records.push((bin, sum));
         }

@@ -17,7 +17,7 @@ const LINE: usize = 20;
 
 /// The list of the blocks of one map unit.
 #[derive(Debug)]
-pub(crate) struct Blocks(Sealed);
+pub struct Blocks(Sealed);
 
 impl Blocks {
     /// Writes the list of these blocks, in any order, under this name.
@@ -36,7 +36,7 @@ impl Blocks {
     ///
     /// # Errors
     /// A file that is not such a list.
-    pub(crate) fn open(store: &dyn Store, name: &str) -> Result<Blocks> {
+    pub fn open(store: &dyn Store, name: &str) -> Result<Blocks> {
         let blocks = Blocks(SEAL.open(store, name)?);
         let (lines, rest) = blocks.0.as_chunks::<LINE>();
         if !rest.is_empty() || !lines.is_sorted_by_key(|line| u32_at(line, 0)) {
@@ -46,7 +46,7 @@ impl Blocks {
     }
 
     /// The hashes of a shard's blocks.
-    pub(crate) fn of(&self, shard: ShardId) -> impl Iterator<Item = Hash> {
+    pub fn of(&self, shard: ShardId) -> impl Iterator<Item = Hash> {
         let (lines, _) = self.0.as_chunks::<LINE>();
         let start = lines.partition_point(|line| u32_at(line, 0) < shard.0);
         lines[start..].iter().take_while(move |line| u32_at(*line, 0) == shard.0).map(|line| {

@@ -25,9 +25,10 @@ pub(crate) mod writer;
 mod tests;
 
 pub(crate) use accumulate::{Accumulator, FrameRecords, GroupRecords, Record};
-pub(crate) use blocks::Blocks;
+pub use blocks::Blocks;
 pub use collect::collect_shard;
 pub(crate) use collect::{ShardMaps, TriangleMap};
 pub(crate) use collect::{Slice, collect_least, collect_need, collect_slice, collect_slices};
 pub use reader::Segment;
-pub(crate) use rows::{Row, ShardRows};
+pub(crate) use rows::Row;
+pub use rows::ShardRows;

@@ -8,6 +8,7 @@ use super::format::{ENTRY, Entry, FOOTER, HEADER, MAGIC, VERSION, u32_at, u64_at
 use crate::base::convert::to_usize;
 use crate::base::ids::ShardId;
 use crate::base::{Error, Result};
+use crate::scene::reflectance::BINS;
 
 /// An open segment over its bytes, mapped or in memory.
 #[derive(Debug)]
@@ -89,7 +90,11 @@ fn find_index(bytes: &[u8]) -> Result<Range<usize>, String> {
     let mut before = None;
     for e in bytes[index.clone()].as_chunks().0.iter().map(Entry::from_bytes) {
         let inside = e.offset == end && e.length <= start && e.offset + e.length <= start;
-        let counted = e.triangles >= 1 && e.triangles <= ShardId::TRIANGLES && e.records >= e.triangles;
+        let most = u64::from(e.triangles) * BINS as u64;
+        let counted = e.triangles >= 1
+            && e.triangles <= ShardId::TRIANGLES
+            && e.records >= e.triangles
+            && u64::from(e.records) <= most;
         if !inside || !counted || before >= Some(e.shard) || e.shard > ShardId::LAST {
             return Err(format!("the index entry of shard {} does not fit the file", e.shard));
         }

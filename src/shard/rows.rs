@@ -30,7 +30,7 @@ pub(crate) const ROW: usize = 4 * (1 + Material::LEN + Evidence::LEN);
 
 /// What was inferred of one triangle.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Row {
+pub struct Row {
     /// The triangle.
     pub triangle: TriangleId,
     /// The triangle's material; NaN where there is too little evidence.
@@ -41,7 +41,7 @@ pub(crate) struct Row {
 
 /// The rows of one shard.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct ShardRows {
+pub struct ShardRows {
     /// The shard.
     pub shard: ShardId,
     /// The rows of the observed triangles, ascending.
@@ -50,7 +50,7 @@ pub(crate) struct ShardRows {
 
 impl ShardRows {
     /// Writes the rows under this name.
-    pub(crate) fn write(&self, store: &dyn Store, name: &str) -> Result<FileEntry> {
+    pub fn write(&self, store: &dyn Store, name: &str) -> Result<FileEntry> {
         let mut bytes = Vec::with_capacity(HEADER + self.rows.len() * ROW);
         bytes.extend(self.shard.0.to_le_bytes());
         bytes.extend(to_u32(self.rows.len()).to_le_bytes());
@@ -67,7 +67,7 @@ impl ShardRows {
     ///
     /// # Errors
     /// A file that does not hold rows of this shard.
-    pub(crate) fn read(store: &dyn Store, name: &str, shard: ShardId) -> Result<ShardRows> {
+    pub fn read(store: &dyn Store, name: &str, shard: ShardId) -> Result<ShardRows> {
         let bytes = SEAL.open(store, name)?;
         let wrong = |found: String| Error::malformed(store.path(name), found);
         let (header, body) = bytes.split_at_checked(HEADER).ok_or_else(|| wrong("it has no header".into()))?;

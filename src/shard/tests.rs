@@ -154,6 +154,28 @@ fn a_forged_block_is_refused_however_it_is_filled() {
 }
 
 #[test]
+fn an_index_that_claims_more_records_than_maps_have_bins_is_refused() {
+    let bytes = write(&vec![(7, 1, vec![(0, BinSum::one([0.5; 3], false))])]);
+    let index = bytes.len() - format::FOOTER - format::ENTRY;
+    let claiming = |records: u32| {
+        let mut forged = bytes.clone();
+        forged[index + 8..index + 12].copy_from_slice(&records.to_le_bytes());
+        let crc = crc32fast::hash(&forged[index..index + format::ENTRY]);
+        forged[index + format::ENTRY + 12..][..4].copy_from_slice(&crc.to_le_bytes());
+        open(&forged).and_then(|segment| segment.verify()).map_err(|why| why.to_string())
+    };
+    assert_eq!(claiming(1), Ok(()));
+    assert!(claiming(u32::from(FULL)).unwrap_err().contains("more bytes than the index says"));
+    assert!(claiming(u32::from(FULL) + 1).unwrap_err().contains("does not fit the file"));
+    // Nor does a block hold more than its entry claims, whatever its columns say.
+    let three = write(&vec![(7, 1, (0..3).map(|bin| (bin, BinSum::one([0.5; 3], false))).collect())]);
+    let entry = open(&three).unwrap().entry(ShardId(0)).unwrap();
+    let block = &three[entry.offset as usize..][..entry.length as usize];
+    assert!(block::decode(block, ShardId(0), 1, 3).is_ok());
+    assert!(block::decode(block, ShardId(0), 1, 2).unwrap_err().contains("more records than the index says"));
+}
+
+#[test]
 fn a_group_counts_the_frames_that_saw_a_triangle() {
     let sum = BinSum::one([0.5; 3], false);
     let frame = |keys: &[(u32, Bin)]| {

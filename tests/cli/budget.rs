@@ -151,10 +151,10 @@ fn a_frame_that_does_not_fit_is_skipped_until_it_does() {
         let sets = format!("--set run.work={work} --set run.memory={memory} --set gather.group=2");
         Ran::gonio(dir.path(), &format!("{command} {sets}"))
     };
-    gonio("plan p.toml", "work", "200MiB").ends(0).says("1 of 10 frames: reading one takes up to 230");
+    gonio("plan p.toml", "work", "200MiB").ends(0).says("1 of 10 frames: reading one takes up to 231");
     let ran = gonio("run p.toml", "work", "200MiB");
     ran.ends(3)
-        .says("skipped frame_004.hdr: reading it takes 230")
+        .says("skipped frame_004.hdr: reading it takes 231")
         .says("[run] memory = \"200 MiB\"")
         .says("downscale");
     gonio("run p.toml", "work", "200MiB").ends(3).says("10 (0 cast, 10 from before, 1 skipped)");

@@ -14,6 +14,7 @@ mod limits;
 mod lit;
 #[cfg(target_os = "linux")]
 mod names;
+mod outs;
 mod ran;
 mod reduce;
 mod runs;

@@ -8,8 +8,10 @@
 //!   aside.
 
 mod exr;
+mod hdr;
 mod jpeg;
 mod need;
+mod png;
 mod read;
 mod size;
 #[cfg(test)]
@@ -19,8 +21,8 @@ mod transfer;
 mod write;
 
 pub(crate) use need::Need;
-pub(crate) use read::{Encoded, is_picture, mask_need, mask_path, read_picture, size};
-pub use read::{need, read_image};
+pub use read::{Encoded, need, read_image, read_picture, size};
+pub(crate) use read::{is_picture, mask_need, mask_path};
 pub use size::Size;
 pub use transfer::{Curve, Transfer};
 pub(crate) use transfer::{to_srgb, to_srgb8};

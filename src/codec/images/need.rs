@@ -38,14 +38,18 @@ impl Need {
         let pixels = header.size.pixels();
         let masked = becomes == Becomes::Masked && header.alpha;
         let color = if masked { ColorType::Rgba32F } else { ColorType::Rgb32F };
-        Need::of(pixels * u64::from(color.bytes_per_pixel()) + header.workspace, pixels, color, becomes)
+        let decoded = pixels * u64::from(color.bytes_per_pixel());
+        Need::of(decoded.saturating_add(header.workspace), pixels, color, becomes)
     }
 
-    /// The need of a PNG, without its bytes; its rows are decoded in place.
-    pub(super) fn of_png(size: Size, color: ColorType, becomes: Becomes) -> Need {
+    /// The need of a PNG, without its bytes; its rows are decoded in place. `metadata` bytes come before its pixels: the
+    /// decoder gathers a chunk in a vector that grows, and then keeps what it holds.
+    pub(super) fn of_png(size: Size, color: ColorType, metadata: u64, becomes: Becomes) -> Need {
         let rows = 4 * u64::from(size.width) * u64::from(color.bytes_per_pixel());
         let decoded = size.pixels() * u64::from(color.bytes_per_pixel());
-        Need::of(decoded + rows + PNG_METADATA, size.pixels(), color, becomes)
+        // What deflate squeezed is at most 1032 times as long, and grows in a vector too.
+        let inflated = PNG_METADATA + (1032 * metadata).min(PNG_METADATA);
+        Need::of(decoded + rows + 3 * metadata + inflated, size.pixels(), color, becomes)
     }
 
     /// The need of a TIFF of this many bytes, without these; it is decoded into a buffer and copied.
@@ -76,7 +80,7 @@ impl Need {
             }
         };
         let converting = if kept { decoded } else { decoded + held };
-        Need { peak: decoding.max(converting) + SLACK, held }
+        Need { peak: decoding.max(converting).saturating_add(SLACK), held }
     }
 }
 
@@ -92,9 +96,9 @@ pub(super) enum Becomes {
 }
 
 /// The bytes of buffers that do not grow with the image.
-const SLACK: u64 = 256 << 10;
+const SLACK: u64 = 1 << 20;
 
-/// The most bytes of colour profiles, text and the like that a PNG may hold.
+/// The most bytes of colour profiles, text and the like that a PNG may hold, as they are and once they are decompressed.
 pub(super) const PNG_METADATA: u64 = 4 << 20;
 
 /// The most bytes that the values of a TIFF's directory, and a strip before it is decompressed, may take. The TIFF has

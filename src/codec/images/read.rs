@@ -13,7 +13,7 @@ use image::{ColorType, DynamicImage, ImageDecoder, ImageFormat, ImageReader, Lim
 use super::need::{Becomes, Need, PNG_METADATA, tiff_values};
 use super::size::Size;
 use super::transfer::Curve;
-use super::{exr, jpeg, tiff};
+use super::{exr, hdr, jpeg, png, tiff};
 use crate::base::input::Input;
 use crate::base::key::Key;
 use crate::base::units::Bytes;
@@ -44,7 +44,7 @@ pub(crate) fn is_picture(path: &Path) -> bool {
 ///
 /// # Errors
 /// No such file, an unknown format, a damaged header, a larger one.
-pub(crate) fn size(path: &Path) -> Result<Size> {
+pub fn size(path: &Path) -> Result<Size> {
     Ok(Opened::at(path, None, Becomes::Rgb)?.size)
 }
 
@@ -61,7 +61,7 @@ pub fn read_image(path: &Path, size: Size, curve: &Curve, memory: u64) -> Result
 ///
 /// # Errors
 /// Those of [`read_image`].
-pub(crate) fn read_picture(path: &Path, size: Size, curve: &Curve, memory: u64) -> Result<LinearImage> {
+pub fn read_picture(path: &Path, size: Size, curve: &Curve, memory: u64) -> Result<LinearImage> {
     let encoded = Encoded::read(path, memory)?;
     let decoded = encoded.decode(size, Becomes::Masked, memory)?;
     let mask = match &decoded {
@@ -121,7 +121,7 @@ pub(crate) fn mask_need(path: &Path, size: Size) -> Result<Need> {
 }
 
 /// The bytes of an image file.
-pub(crate) struct Encoded<'a> {
+pub struct Encoded<'a> {
     path: &'a Path,
     bytes: Vec<u8>,
     /// The key of the bytes.
@@ -133,7 +133,7 @@ impl<'a> Encoded<'a> {
     ///
     /// # Errors
     /// No such file, one that is changed while it is read, a longer one.
-    pub(crate) fn read(path: &'a Path, memory: u64) -> Result<Self> {
+    pub fn read(path: &'a Path, memory: u64) -> Result<Self> {
         let file = Input::open(path).map_err(Error::io("open", path))?;
         if file.length() > memory {
             return Err(too_little(path, file.length(), memory));
@@ -146,7 +146,7 @@ impl<'a> Encoded<'a> {
     ///
     /// # Errors
     /// An unknown format, a damaged file, another size, a file that takes more memory.
-    pub(crate) fn image(&self, size: Size, curve: &Curve, memory: u64) -> Result<LinearImage> {
+    pub fn image(&self, size: Size, curve: &Curve, memory: u64) -> Result<LinearImage> {
         Ok(linear(self.decode(size, Becomes::Rgb, memory)?, size, curve))
     }
 
@@ -154,7 +154,7 @@ impl<'a> Encoded<'a> {
     ///
     /// # Errors
     /// Those of [`Encoded::image`].
-    pub(crate) fn mask(&self, size: Size, memory: u64) -> Result<Vec<u8>> {
+    pub fn mask(&self, size: Size, memory: u64) -> Result<Vec<u8>> {
         Ok(self.decode(size, Becomes::Grey, memory)?.into_luma8().into_raw())
     }
 
@@ -178,7 +178,12 @@ struct Opened<'a, R> {
 enum Content<'a, R> {
     Jpeg(R, jpeg::Header),
     Exr(R, exr::Header),
-    Other(Box<dyn ImageDecoder + 'a>, ImageFormat),
+    Other {
+        decoder: Box<dyn ImageDecoder + 'a>,
+        format: ImageFormat,
+        /// The bytes that come before the pixels of a PNG.
+        metadata: u64,
+    },
 }
 
 impl<'a> Opened<'a, BufReader<Input>> {
@@ -200,20 +205,28 @@ impl<'a, R: BufRead + Seek + 'a> Opened<'a, R> {
             .map_err(|_| Error::malformed(path, "no image that gonio reads: JPEG, PNG, TIFF, EXR or HDR"))?;
         let (content, size) = match format {
             ImageFormat::Jpeg => {
-                let header = jpeg::Header::read(&mut file).map_err(|why| torn(path, why))?;
+                let header = jpeg::Header::read(&mut file).map_err(|why| unheaded(path, "JPEG", why))?;
                 (Content::Jpeg(file, header), header.size)
             }
             ImageFormat::OpenExr => {
-                let header = exr::Header::read(&mut file).map_err(|why| torn(path, why))?;
+                let header = exr::Header::read(&mut file).map_err(|why| unheaded(path, "EXR", why))?;
                 (Content::Exr(file, header), header.size)
             }
             format => {
+                let metadata = match format {
+                    ImageFormat::Png => png::metadata(&mut file).map_err(|why| unheaded(path, "PNG", why))?,
+                    ImageFormat::Tiff => {
+                        tiff::check(&mut file).map(|()| 0).map_err(|why| unheaded(path, "TIFF", why))?
+                    }
+                    ImageFormat::Hdr => hdr::check(&mut file).map(|()| 0).map_err(|why| unheaded(path, "HDR", why))?,
+                    _ => 0,
+                };
                 let mut reader = ImageReader::with_format(file, format);
                 reader.limits(limits(most, PNG_METADATA));
                 let decoder = reader.into_decoder().map_err(|why| refused(path, most, why))?;
                 let (width, height) = decoder.dimensions();
                 let size = Size { width, height };
-                (Content::Other(Box::new(decoder), format), size)
+                (Content::Other { decoder: Box::new(decoder), format, metadata }, size)
             }
         };
         if expected.is_some_and(|expected| size != expected) {
@@ -226,9 +239,11 @@ impl<'a, R: BufRead + Seek + 'a> Opened<'a, R> {
         let need = match &content {
             Content::Jpeg(_, header) => Need::of_jpeg(header, becomes),
             Content::Exr(_, header) => Need::of_exr(header, becomes),
-            Content::Other(decoder, ImageFormat::Png) => Need::of_png(size, decoder.color_type(), becomes),
-            Content::Other(_, ImageFormat::Hdr) => Need::of_hdr(size, becomes),
-            Content::Other(decoder, _) => Need::of_tiff(size, decoder.color_type(), length, becomes),
+            Content::Other { decoder, format: ImageFormat::Png, metadata } => {
+                Need::of_png(size, decoder.color_type(), *metadata, becomes)
+            }
+            Content::Other { format: ImageFormat::Hdr, .. } => Need::of_hdr(size, becomes),
+            Content::Other { decoder, .. } => Need::of_tiff(size, decoder.color_type(), length, becomes),
         };
         // The file's own bytes are held to the end.
         Ok(Opened { path, size, length, content, becomes, need: Need { peak: length + need.peak, ..need } })
@@ -254,9 +269,9 @@ impl Opened<'_, Cursor<&[u8]>> {
                 };
                 picture.ok_or_else(|| Error::malformed(path, "some of its pixels are missing"))
             }
-            Content::Other(mut decoder, format) => {
+            Content::Other { mut decoder, format, .. } => {
                 if format == ImageFormat::Tiff {
-                    tiff::check(bytes).map_err(|why| Error::malformed(path, why))?;
+                    tiff::check_parts(bytes).map_err(|why| Error::malformed(path, why))?;
                     // The decoder subtracts the pixels from the limit; the values of the directory may have the rest.
                     let decoded = decoder.total_bytes();
                     let most = decoded / 3 * 4 + tiff_values(length, decoded);
@@ -279,6 +294,14 @@ fn limits(size: Size, bytes: u64) -> Limits {
     (limits.max_image_width, limits.max_image_height) = (Some(size.width), Some(size.height));
     limits.max_alloc = Some(bytes);
     limits
+}
+
+/// The error of a header that was looked at before the decoder sees it.
+fn unheaded(path: &Path, format: &str, why: io::Error) -> Error {
+    match why.kind() {
+        ErrorKind::UnexpectedEof => Error::malformed(path, format!("the {format} is cut short within its header")),
+        _ => torn(path, why),
+    }
 }
 
 fn too_large(path: &Path, most: Size) -> Error {

@@ -3,14 +3,18 @@
 use std::path::Path;
 
 use super::format::PoseFormat;
+use crate::base::shown::shown;
 use crate::base::{Error, Result};
 use crate::scene::frame::Frame;
+
+/// The longest name of an image, bytes; no system opens a longer path.
+const LONGEST: usize = 4096;
 
 /// Reads the frames at a path, sorted by name.
 ///
 /// # Errors
-/// Those of the format; no image; two images of one name; a name that could lead out of the image folder; a pose that is
-/// not finite.
+/// Those of the format; no image; two images of one name; a name that could lead out of the image folder or steer a
+/// terminal; a pose that is not finite.
 pub fn read(format: &PoseFormat, path: &Path) -> Result<Vec<Frame>> {
     let mut frames = (format.read)(path)?;
     frames.sort_by(|a, b| a.name.cmp(&b.name));
@@ -26,20 +30,24 @@ fn fault(frames: &[Frame]) -> Option<String> {
         return Some("it poses no image: at least one is needed".to_owned());
     }
     if let Some(Frame { name, .. }) = frames.iter().find(|frame| !is_below(&frame.name)) {
-        return Some(format!("an image has the name {name:?}; it must be a path below the image folder"));
+        let rule =
+            format!("it must be a path below the image folder, of at most {LONGEST} bytes and no control characters");
+        return Some(format!("an image has the name {}; {rule}", shown(name)));
     }
     if let Some(twins) = frames.windows(2).find(|pair| pair[0].name == pair[1].name) {
-        return Some(format!("two images have the name {:?}", twins[0].name));
+        return Some(format!("two images have the name {}", shown(&twins[0].name)));
     }
     let posed = |frame: &Frame| frame.pose.rotation.is_normalized() && frame.pose.translation.is_finite();
     let Frame { name, pose, .. } = frames.iter().find(|frame| !posed(frame))?;
-    Some(format!("image {name:?} has the pose {pose:?}; it must be a finite translation and a unit quaternion"))
+    let rule = "it must be a finite translation and a unit quaternion";
+    Some(format!("image {} has the pose {pose:?}; {rule}", shown(name)))
 }
 
-/// Whether a name stays below the folder that it is joined to.
+/// Whether a name stays below the folder that it is joined to, and can be shown.
 fn is_below(name: &str) -> bool {
     let leads_out = |part: &str| part.is_empty() || part == "." || part == "..";
-    !name.contains(['\\', '\0']) && !name.split('/').any(leads_out)
+    let plain = name.len() <= LONGEST && !name.contains(|c: char| c == '\\' || c.is_control());
+    plain && !name.split('/').any(leads_out)
 }
 
 #[cfg(test)]
@@ -94,6 +102,11 @@ mod tests {
         for name in ["", "/etc/a.jpg", "../a.jpg", "a/../../b.jpg", "./a.jpg", "a//b.jpg", "a/", "a\\b.jpg", "a\0b"] {
             let why = read_names(&format!("x.jpg\n{name}")).unwrap_err();
             assert!(why.contains("below the image folder") && why.contains(&format!("{name:?}")), "{why}");
+        }
+        for name in ["\u{1b}[2Ja.jpg", "a\rb.jpg", &"a".repeat(LONGEST + 1)] {
+            let why = read_names(&format!("x.jpg\n{name}")).unwrap_err();
+            assert!(why.contains("no control characters") && why.len() < 500, "{why}");
+            assert!(!why.contains(char::is_control), "{why:?}");
         }
         assert!(read_names("a.jpg\nb.jpg\na.jpg").unwrap_err().contains("two images have the name \"a.jpg\""));
         assert!(read_names("#").unwrap_err().contains("poses no image"));

@@ -9,6 +9,8 @@ use rustix::fs::{AtFlags, FileType, Mode, OFlags, Stat};
 use rustix::io::Errno;
 
 use super::kind::{Kind, regular, strange};
+#[cfg(test)]
+use crate::disk::journal::{self, Noted, Step};
 
 /// A folder that is held open.
 #[derive(Debug)]
@@ -41,6 +43,8 @@ impl Folder {
 
     /// Makes a folder in this one.
     pub(in crate::disk) fn make_folder(&self, name: &str) -> io::Result<()> {
+        #[cfg(test)]
+        let _noted = journal::note(&self.0, |at| Step::MakeFolder(at.join(name)))?;
         Ok(rustix::fs::mkdirat(&self.0, name, FOLDER)?)
     }
 
@@ -52,11 +56,15 @@ impl Folder {
 
     /// Opens a file to be read and written; it is made if there is none.
     pub(in crate::disk) fn open_or_create(&self, name: &str) -> io::Result<File> {
+        #[cfg(test)]
+        let _noted = journal::note(&self.0, |at| Step::Create(at.join(name)))?;
         self.file(name, OFlags::RDWR | OFlags::CREATE | OFlags::NONBLOCK)
     }
 
     /// Makes a file, to be read and written. The error's kind is `AlreadyExists` if anything has the name.
     pub(in crate::disk) fn create_new(&self, name: &Path) -> io::Result<File> {
+        #[cfg(test)]
+        let _noted = journal::note(&self.0, |at| Step::Create(at.join(name)))?;
         let flags = OFlags::RDWR | OFlags::CREATE | OFlags::EXCL | OFlags::NOFOLLOW | OFlags::CLOEXEC;
         Ok(rustix::fs::openat(&self.0, name, flags, FILE)?.into())
     }
@@ -115,11 +123,15 @@ impl Folder {
 
     /// Gives a file or whatever has the name another name, in another folder, in place of the file that has it.
     pub(in crate::disk) fn rename(&self, from: &Path, to: &Folder, name: &Path) -> io::Result<()> {
+        #[cfg(test)]
+        let _noted = journal::note_between(&self.0, &to.0, |at, to| Step::Rename(at.join(from), to.join(name)))?;
         Ok(rustix::fs::renameat(&self.0, from, &to.0, name)?)
     }
 
     /// Gives a file a second name in this folder. The error's kind is `AlreadyExists` if anything has that name.
     pub(in crate::disk) fn link(&self, from: &Path, to: &Path) -> io::Result<()> {
+        #[cfg(test)]
+        let _noted = journal::note(&self.0, |at| Step::Link(at.join(from), at.join(to)))?;
         Ok(rustix::fs::linkat(&self.0, from, &self.0, to, AtFlags::empty())?)
     }
 
@@ -127,6 +139,8 @@ impl Folder {
     pub(in crate::disk) fn rename_new(&self, from: &Path, to: &Path) -> io::Result<()> {
         #[cfg(target_os = "linux")]
         {
+            #[cfg(test)]
+            let _noted = journal::note(&self.0, |at| Step::Rename(at.join(from), at.join(to)))?;
             let flags = rustix::fs::RenameFlags::NOREPLACE;
             Ok(rustix::fs::renameat_with(&self.0, from, &self.0, to, flags)?)
         }
@@ -139,12 +153,25 @@ impl Folder {
 
     /// Removes a file, or a link itself.
     pub(in crate::disk) fn remove(&self, name: &Path) -> io::Result<()> {
+        #[cfg(test)]
+        let _noted = journal::note(&self.0, |at| Step::Remove(at.join(name)))?;
         Ok(rustix::fs::unlinkat(&self.0, name, AtFlags::empty())?)
     }
 
     /// Makes the names in the folder durable.
     pub(in crate::disk) fn sync(&self) -> io::Result<()> {
+        // What is noted need not be done: no test cuts the machine's power.
+        #[cfg(test)]
+        if journal::note(&self.0, |at| Step::SyncFolder(at.to_owned()))?.is_some() {
+            return Ok(());
+        }
         self.0.sync_all()
+    }
+
+    /// Notes a step on a file of this folder.
+    #[cfg(test)]
+    pub(in crate::disk) fn note(&self, step: impl FnOnce(&Path) -> Step) -> io::Result<Option<Noted>> {
+        journal::note(&self.0, step)
     }
 }
 

@@ -36,7 +36,7 @@ const PASSING: [Fault; 5] = [
 const CHANGES: [Fault; 5] = [Fault::Cut, Fault::Grown, Fault::Exchanged, Fault::Overwritten, Fault::Gone];
 
 /// Schedules of several faults that are tried unless more are asked for.
-const FEW: u64 = 300;
+const FEW: u64 = 100;
 
 /// All files below a folder.
 fn files(folder: &Path) -> Files {
@@ -130,7 +130,7 @@ impl Tried {
 }
 
 /// Leaves one triangle in sixteen: thousands of runs must not take long.
-fn thin(path: &Path) {
+pub(super) fn thin(path: &Path) {
     let Mesh { origin, positions, triangles } = meshes::read(path, &|_| Ok(())).unwrap();
     let triangles: Vec<[u32; 3]> = triangles.iter().copied().step_by(16).collect();
     let mut bytes = Vec::new();

@@ -1,10 +1,12 @@
-//! A small run that is killed, refused or torn at every step that it takes on the disk, one that rots, one that two raced for, a
-//! phase that nobody foresaw, and the keys that change nothing.
+//! A small run that is killed, refused, torn or without power at every step that it takes on the disk, one that rots, one that
+//! two raced for, a phase that nobody foresaw, and the keys that change nothing.
 
 mod faults;
 #[cfg(unix)]
 mod inputs;
 mod mock;
+#[cfg(target_os = "linux")]
+mod power;
 mod race;
 #[cfg(unix)]
 mod rot;

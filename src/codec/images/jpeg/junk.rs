@@ -28,14 +28,13 @@ impl Junk<'_> {
         Ok((at, marker))
     }
 
-    /// The end of coded data which have been read up to here: the position of the marker behind them, and its code.
-    pub(super) fn end_of(&mut self, bits: Bits<'_>) -> Result<(usize, Option<u8>), String> {
+    /// The position of the marker that ends coded data which have been read up to here, and its code.
+    pub(super) fn next_marker(&mut self, bits: Bits<'_>) -> Result<(usize, Option<u8>), String> {
         let (from, filled) = bits.rest();
         let (at, marker) = next_marker(self.file, from);
         let left = &self.file[from..at];
         // An encoder fills its last byte with ones. Where it did not, it did not end here.
-        let is_sound = left.is_empty() || (filled && is_filling(left, self.file[..from].last().copied()));
-        if !is_sound {
+        if !(left.is_empty() || filled && is_filling(left, self.file[..from].last().copied())) {
             return Err(left_over(left.len()));
         }
         self.note(from..at);

@@ -119,7 +119,7 @@ impl Scan {
             for column in 0..columns {
                 if left == 0 && defined.interval > 0 {
                     coder.end_run().map_err(fault)?;
-                    let (at, marker) = junk.end_of(bits)?;
+                    let (at, marker) = junk.next_marker(bits)?;
                     if marker != Some(0xd0 + restarts % 8) {
                         return Err(format!(
                             "the JPEG is damaged: a restart marker is missing, in row {row} of the {rows} rows of blocks"
@@ -134,7 +134,7 @@ impl Scan {
             }
         }
         coder.end_run().map_err(|fault| words(fault).to_owned())?;
-        Ok(junk.end_of(bits)?.0)
+        Ok(junk.next_marker(bits)?.0)
     }
 }
 

@@ -170,6 +170,42 @@ fn read_mask(folder: &Path, name: &str, size: Size) -> crate::base::Result<Optio
 }
 
 #[test]
+fn an_attribute_of_an_exr_is_not_gathered_before_there_is_memory_for_it() {
+    let (_folder, path) = saved("a.exr", &DynamicImage::from(gradient()).to_rgb32f().into());
+    let whole = fs::read(&path).unwrap();
+    for (bytes, read) in [(1 << 10, true), (1 << 17, false)] {
+        let attribute = [b"note\0blob\0", &(bytes as u32).to_le_bytes()[..], &vec![b'a'; bytes]].concat();
+        // Positions of blocks count from the start of the file; a reader that goes front to back does not look at them.
+        fs::write(&path, [&whole[..8], &attribute, &whole[8..]].concat()).unwrap();
+        let found = size(&path).map_err(|why| why.to_string());
+        assert_eq!(found.is_ok(), read, "{found:?}");
+        let why = found.err().unwrap_or_default();
+        assert!(read || why.contains("longer than 131072 bytes"), "{why}");
+    }
+}
+
+#[test]
+fn the_need_of_an_exr_counts_its_blocks_and_the_tables_of_piz() {
+    use ::exr::prelude::{
+        Blocks, Compression, Encoding, Image, Layer, LayerAttributes, LineOrder, SpecificChannels, Vec2, WritableImage,
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.exr");
+    let peak = |compression, side| {
+        let encoding =
+            Encoding { compression, blocks: Blocks::Tiles(Vec2(side, side)), line_order: LineOrder::Increasing };
+        let pixels = SpecificChannels::rgb(|_: Vec2<usize>| (0.5f32, 0.5f32, 0.5f32));
+        let layer = Layer::new((256, 256), LayerAttributes::default(), encoding, pixels);
+        Image::from_layer(layer).write().non_parallel().to_file(&path).unwrap();
+        need(&path, sized(256, 256)).unwrap().peak
+    };
+    let plain = peak(Compression::Uncompressed, 64);
+    // The bytes that were measured where they were not said.
+    assert!(peak(Compression::Uncompressed, 4) + (64 - 4) * 64 * 12 * 4 >= plain + 4080 * 82);
+    assert!(peak(Compression::PIZ, 64) >= plain + 1_200_000);
+}
+
+#[test]
 fn masks_are_found_by_either_name_and_ignore_what_is_zero() {
     let folder = tempfile::tempdir().unwrap();
     let mask = image::GrayImage::from_fn(6, 4, |x, _| image::Luma([if x == 2 { 0 } else { 7 }]));

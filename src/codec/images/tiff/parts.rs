@@ -13,7 +13,7 @@ use crate::base::convert::to_usize;
 ///
 /// # Errors
 /// In words: what is missing or damaged, or what the decoder says of the directory.
-pub(in crate::codec::images) fn check(file: &[u8]) -> Result<(), String> {
+pub(in crate::codec::images) fn check_parts(file: &[u8]) -> Result<(), String> {
     let parts = Parts::read(file).map_err(|why| match why {
         TiffError::IoError(why) if why.kind() == ErrorKind::UnexpectedEof => "the TIFF is cut short".to_owned(),
         why => why.to_string(),

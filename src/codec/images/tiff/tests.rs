@@ -9,7 +9,7 @@ use image::{DynamicImage, ExtendedColorType, ImageFormat};
 use weezl::BitOrder;
 use weezl::encode::Encoder;
 
-use super::check;
+use super::check_parts as check;
 
 const WIDTH: usize = 40;
 const HEIGHT: usize = 36;

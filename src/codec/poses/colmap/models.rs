@@ -5,6 +5,7 @@ use std::cmp::Reverse;
 
 use glam::DVec2;
 
+use crate::base::shown::short;
 use crate::scene::camera::{Camera, Distortion, Lens, Projection};
 
 /// A camera model. Its parameters are the focal lengths, the principal point, and then the terms.
@@ -86,7 +87,7 @@ pub(super) fn by_id(id: i32) -> Result<&'static Model, String> {
 /// In words: a name that no model has.
 pub(super) fn by_name(name: &str) -> Result<&'static Model, String> {
     let found = MODELS.iter().find(|m| m.name == name);
-    found.ok_or_else(|| format!("camera model {name} is not known; these are: {}", known()))
+    found.ok_or_else(|| format!("camera model {} is not known; these are: {}", short(name), known()))
 }
 
 /// What COLMAP writes of a lens.

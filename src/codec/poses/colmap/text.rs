@@ -12,6 +12,7 @@ use std::str::FromStr;
 use super::models;
 use super::posed::{Cameras, Image};
 use crate::base::input::Input;
+use crate::base::shown::shown;
 use crate::base::{Error, Result};
 use crate::scene::frame::Frame;
 
@@ -47,7 +48,7 @@ fn each_line(path: &Path, mut line: impl FnMut(&str) -> Result<bool, String>) ->
 fn number<T: FromStr>(rest: &mut &str, what: &str) -> Result<T, String> {
     let (word, after) = rest.split_once(char::is_whitespace).unwrap_or((rest, ""));
     *rest = after.trim_start();
-    word.parse().map_err(|_| format!("{what} is {word:?}; a number of its kind is needed"))
+    word.parse().map_err(|_| format!("{what} is {}; a number of its kind is needed", shown(word)))
 }
 
 fn numbers<const N: usize>(rest: &mut &str, what: &str) -> Result<[f64; N], String> {

@@ -4,6 +4,7 @@ use std::io::{self, Read};
 use std::path::Path;
 
 use crate::base::Error;
+use crate::base::shown::{short, shown};
 
 /// The first bytes of every file.
 const MAGIC: &[u8] = b"\x93NUMPY";
@@ -89,12 +90,13 @@ pub(super) fn read(file: &mut impl Read, length: u64) -> Result<Header, Fault> {
     let header = String::from_utf8_lossy(&header);
     let (shape, wide) = match parse(&header) {
         Ok(parsed) => parsed,
-        Err(words) => return found(format!("{words} in the header {:?}", header.trim_end())),
+        Err(words) => return found(format!("{words} in the header {}", shown(header.trim_end()))),
     };
     let start = before + size;
     let (width, bytes) = (if wide { 8 } else { 4 }, length - start);
     if values(&shape).and_then(|n| n.checked_mul(width)) != Some(bytes) {
-        return found(format!("its shape is {shape:?} of {width}-byte values, but {bytes} bytes of values follow"));
+        let shape = short(&format!("{shape:?}"));
+        return found(format!("its shape is {shape} of {width}-byte values, but {bytes} bytes of values follow"));
     }
     Ok(Header { shape, wide, start })
 }

@@ -18,6 +18,5 @@ mod tests;
 mod write;
 
 pub(crate) use header::heading;
-pub use read::read_rows;
-pub(crate) use read::view;
+pub use read::{read_rows, view};
 pub(crate) use write::NpyWriter;

@@ -7,6 +7,7 @@ use super::header::{self, Fault, Header};
 use crate::base::array::SharedBytes;
 use crate::base::convert::{to_f32, to_usize};
 use crate::base::input::Input;
+use crate::base::shown::short;
 use crate::base::{Array, Error, Result};
 
 /// Values that are converted at a time.
@@ -35,7 +36,7 @@ pub fn read_rows<const COLUMNS: usize>(path: &Path) -> Result<Vec<[f32; COLUMNS]
 ///
 /// # Errors
 /// Those of [`read_rows`].
-pub(crate) fn view<const COLUMNS: usize>(bytes: SharedBytes, path: &Path) -> Result<Array<[f32; COLUMNS]>> {
+pub fn view<const COLUMNS: usize>(bytes: SharedBytes, path: &Path) -> Result<Array<[f32; COLUMNS]>> {
     let all = (*bytes).as_ref();
     let header = header::read(&mut &all[..], all.len() as u64).map_err(|fault| fault.of(path))?;
     if header.wide || cfg!(target_endian = "big") {
@@ -50,7 +51,10 @@ fn check_columns<const COLUMNS: usize>(shape: &[usize], path: &Path) -> Result<(
     if matches!(shape, [_, columns] if *columns == COLUMNS) {
         return Ok(());
     }
-    Err(Error::malformed(path, format!("its shape is {shape:?}, where [n, {COLUMNS}] is needed")))
+    Err(Error::malformed(
+        path,
+        format!("its shape is {}, where [n, {COLUMNS}] is needed", short(&format!("{shape:?}"))),
+    ))
 }
 
 fn rows<const COLUMNS: usize>((shape, values): (Vec<usize>, Vec<f32>), path: &Path) -> Result<Vec<[f32; COLUMNS]>> {
