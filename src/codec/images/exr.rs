@@ -68,23 +68,37 @@ impl Header {
     }
 }
 
+/// The red of a pixel that no block has written: a number that no file holds.
+const UNWRITTEN: f32 = f32::from_bits(0x7fd1_5ea5);
+
 /// Decodes the samples of a file with this header: three `CHANNELS` are RGB, four are RGB and alpha. Pixels outside the
 /// layer are 0, alpha included.
 ///
 /// # Errors
-/// In words: those of the decoder.
+/// In words: those of the decoder; blocks that are missing.
 pub(super) fn decode<const CHANNELS: usize>(file: impl BufRead + Seek, header: &Header) -> Result<Vec<f32>, String> {
     let Header { size: Size { width, height }, offset, .. } = *header;
-    let samples = CHANNELS * width as usize * height as usize;
+    let place = move |at: Vec2<usize>| {
+        let (x, y) = (within(at.x(), offset.x(), width)?, within(at.y(), offset.y(), height)?);
+        Some(CHANNELS * (y * width as usize + x))
+    };
+    // The decoder reads as many blocks as there must be, and does not mind which.
+    let unwritten = move |layer: Vec2<usize>| {
+        let mut pixels = vec![0f32; CHANNELS * width as usize * height as usize];
+        for y in 0..layer.height() {
+            for first in (0..layer.width()).filter_map(|x| place(Vec2(x, y))) {
+                pixels[first] = UNWRITTEN;
+            }
+        }
+        pixels
+    };
     let image = read()
         .no_deep_data()
         .largest_resolution_level()
         .rgba_channels(
-            move |_, _| vec![0f32; samples],
+            move |layer, _| unwritten(layer),
             move |pixels: &mut Vec<f32>, at, (r, g, b, a): (f32, f32, f32, f32)| {
-                let (x, y) = (within(at.x(), offset.x(), width), within(at.y(), offset.y(), height));
-                if let (Some(x), Some(y)) = (x, y) {
-                    let first = CHANNELS * (y * width as usize + x);
+                if let Some(first) = place(at) {
                     pixels[first..first + CHANNELS].copy_from_slice(&[r, g, b, a][..CHANNELS]);
                 }
             },
@@ -95,7 +109,11 @@ pub(super) fn decode<const CHANNELS: usize>(file: impl BufRead + Seek, header: &
         .non_parallel()
         .from_buffered(file)
         .map_err(words)?;
-    Ok(image.layer_data.channel_data.pixels)
+    let pixels = image.layer_data.channel_data.pixels;
+    if pixels.iter().step_by(CHANNELS).any(|red| red.to_bits() == UNWRITTEN.to_bits()) {
+        return Err("the EXR lacks some of its blocks".to_owned());
+    }
+    Ok(pixels)
 }
 
 /// The position of a layer's sample along a side of the display window; `None` outside.

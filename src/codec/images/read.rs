@@ -63,7 +63,7 @@ pub fn read_image(path: &Path, size: Size, curve: &Curve, memory: u64) -> Result
 /// Those of [`read_image`].
 pub fn read_picture(path: &Path, size: Size, curve: &Curve, memory: u64) -> Result<LinearImage> {
     let encoded = Encoded::read(path, memory)?;
-    let decoded = encoded.open(size, Becomes::Masked)?.decode(memory)?;
+    let decoded = encoded.decode(size, Becomes::Masked, memory)?;
     let mask = match &decoded {
         DynamicImage::ImageLumaA8(picture) => Some(opaque::<_, 2>(picture)),
         DynamicImage::ImageLumaA16(picture) => Some(opaque::<_, 2>(picture)),
@@ -147,7 +147,7 @@ impl<'a> Encoded<'a> {
     /// # Errors
     /// An unknown format, a damaged file, another size, a file that takes more memory.
     pub fn image(&self, size: Size, curve: &Curve, memory: u64) -> Result<LinearImage> {
-        Ok(linear(self.open(size, Becomes::Rgb)?.decode(memory)?, size, curve))
+        Ok(linear(self.decode(size, Becomes::Rgb, memory)?, size, curve))
     }
 
     /// Decodes a mask of this size: 0 where a pixel is ignored, anything else where it counts.
@@ -155,11 +155,13 @@ impl<'a> Encoded<'a> {
     /// # Errors
     /// Those of [`Encoded::image`].
     pub fn mask(&self, size: Size, memory: u64) -> Result<Vec<u8>> {
-        Ok(self.open(size, Becomes::Grey)?.decode(memory)?.into_luma8().into_raw())
+        Ok(self.decode(size, Becomes::Grey, memory)?.into_luma8().into_raw())
     }
 
-    fn open(&self, size: Size, becomes: Becomes) -> Result<Opened<'_, Cursor<&[u8]>>> {
-        Opened::new(Cursor::new(&self.bytes), self.bytes.len() as u64, self.path, Some(size), becomes)
+    fn decode(&self, size: Size, becomes: Becomes, memory: u64) -> Result<DynamicImage> {
+        let Encoded { path, bytes, .. } = self;
+        let file = Cursor::new(&bytes[..]);
+        Opened::new(file, bytes.len() as u64, path, Some(size), becomes)?.decode(bytes, memory)
     }
 }
 
@@ -249,15 +251,13 @@ impl<'a, R: BufRead + Seek + 'a> Opened<'a, R> {
 }
 
 impl Opened<'_, Cursor<&[u8]>> {
-    fn decode(self, memory: u64) -> Result<DynamicImage> {
+    fn decode(self, bytes: &[u8], memory: u64) -> Result<DynamicImage> {
         let Opened { path, size, length, content, becomes, need } = self;
         if need.peak > memory {
             return Err(too_little(path, need.peak, memory));
         }
         match content {
-            Content::Jpeg(file, header) => {
-                jpeg::decode(file.into_inner(), &header).map_err(|why| Error::malformed(path, why))
-            }
+            Content::Jpeg(_, header) => jpeg::decode(bytes, &header).map_err(|why| Error::malformed(path, why)),
             Content::Exr(mut file, header) => {
                 file.set_position(0);
                 let picture = if becomes == Becomes::Masked && header.alpha {
@@ -271,6 +271,7 @@ impl Opened<'_, Cursor<&[u8]>> {
             }
             Content::Other { mut decoder, format, .. } => {
                 if format == ImageFormat::Tiff {
+                    tiff::check_parts(bytes).map_err(|why| Error::malformed(path, why))?;
                     // The decoder subtracts the pixels from the limit; the values of the directory may have the rest.
                     let decoded = decoder.total_bytes();
                     let most = decoded / 3 * 4 + tiff_values(length, decoded);

@@ -1,5 +1,6 @@
 //! From a whole JPEG to samples.
 
+use std::io::Cursor;
 use std::iter::once;
 
 use image::{DynamicImage, GrayImage, RgbImage};
@@ -30,6 +31,15 @@ pub(in crate::codec::images) fn decode(file: &[u8], header: &Header) -> Result<D
     let ends = junk.iter().map(|bytes| bytes.start).chain(once(end));
     let kept = starts.zip(ends).map(|(start, end)| &file[start..end]);
     samples(Parts::new(kept.chain(once(END))), header)
+}
+
+/// Checks that a JPEG within another file is whole.
+///
+/// # Errors
+/// In words: what is missing of the image or damaged.
+pub(in crate::codec::images) fn check_whole(file: &[u8]) -> Result<(), String> {
+    let header = Header::read(&mut Cursor::new(file)).map_err(|why| why.to_string())?;
+    check(file, header.size).map(drop)
 }
 
 fn samples(file: impl ZByteReaderTrait, header: &Header) -> Result<DynamicImage, String> {

@@ -17,5 +17,5 @@ mod scan;
 mod tests;
 mod whole;
 
-pub(super) use decode::decode;
+pub(super) use decode::{check_whole as check, decode};
 pub(super) use header::Header;

@@ -1,4 +1,4 @@
-//! TIFF (revision 6.0, section 2): the claims of the first directory, before the decoder believes them. It would hold as many
+//! The claims of the first directory (TIFF 6.0, section 2), before the decoder believes them. It would hold as many
 //! values as an entry claims, up to 256 MiB, before it looks for them.
 //!
 //! ```text
@@ -20,7 +20,7 @@ const OPTIONAL: u16 = 700;
 /// # Errors
 /// `UnexpectedEof` where the file ends before the directory does; `InvalidData`, in words, for an entry that claims more
 /// values than any image needs.
-pub(super) fn check(file: &mut (impl Read + Seek)) -> io::Result<()> {
+pub(in crate::codec::images) fn check(file: &mut (impl Read + Seek)) -> io::Result<()> {
     file.rewind()?;
     let header: [u8; 8] = bytes(file)?;
     let big_endian = header[0] == b'M';

@@ -1,3 +1,7 @@
+//! Pictures of every format, whole and damaged.
+
+mod damage;
+
 use std::fs;
 use std::path::{Path, PathBuf};
 
