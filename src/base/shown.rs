@@ -19,7 +19,18 @@ pub(crate) fn short(text: &str) -> String {
 
 /// The characters of a text that are shown.
 pub(crate) fn cut(text: &str) -> &str {
-    text.char_indices().nth(MOST).map_or(text, |(end, _)| &text[..end])
+    first(text, MOST)
+}
+
+/// What a decoder says of a file: some repeat all values that they found.
+pub(crate) fn brief(said: &impl Display) -> String {
+    let said = said.to_string();
+    let first = first(&said, 4 * MOST);
+    if first.len() < said.len() { format!("{first}...") } else { said }
+}
+
+fn first(text: &str, characters: usize) -> &str {
+    text.char_indices().nth(characters).map_or(text, |(end, _)| &text[..end])
 }
 
 /// Displays a value with its control characters escaped.
@@ -64,5 +75,6 @@ mod tests {
         assert_eq!(short(&"ä".repeat(100)), "ä".repeat(100));
         assert_eq!(short(&"ä".repeat(101)), "ä".repeat(100) + "...");
         assert!(shown(&"\u{1}".repeat(1 << 20)).len() < 600);
+        assert_eq!((brief(&7), brief(&"a".repeat(401)).len()), ("7".to_owned(), 403));
     }
 }

@@ -16,6 +16,7 @@ use super::transfer::Curve;
 use super::{exr, hdr, jpeg, png, tiff};
 use crate::base::input::Input;
 use crate::base::key::Key;
+use crate::base::shown::brief;
 use crate::base::units::Bytes;
 use crate::base::{Error, Result};
 use crate::scene::frame::{LinearImage, Samples};
@@ -257,14 +258,14 @@ impl Opened<'_, Cursor<&[u8]>> {
             return Err(too_little(path, need.peak, memory));
         }
         match content {
-            Content::Jpeg(_, header) => jpeg::decode(bytes, &header).map_err(|why| Error::malformed(path, why)),
+            Content::Jpeg(_, header) => jpeg::decode(bytes, &header).map_err(|why| Error::malformed(path, brief(&why))),
             Content::Exr(mut file, header) => {
                 file.set_position(0);
                 let picture = if becomes == Becomes::Masked && header.alpha {
-                    let samples = exr::decode::<4>(file, &header).map_err(|why| Error::malformed(path, why))?;
+                    let samples = exr::decode::<4>(file, &header).map_err(|why| Error::malformed(path, brief(&why)))?;
                     image::Rgba32FImage::from_raw(size.width, size.height, samples).map(DynamicImage::from)
                 } else {
-                    let samples = exr::decode::<3>(file, &header).map_err(|why| Error::malformed(path, why))?;
+                    let samples = exr::decode::<3>(file, &header).map_err(|why| Error::malformed(path, brief(&why)))?;
                     image::Rgb32FImage::from_raw(size.width, size.height, samples).map(DynamicImage::from)
                 };
                 picture.ok_or_else(|| Error::malformed(path, "some of its pixels are missing"))
@@ -314,13 +315,13 @@ fn torn(path: &Path, why: io::Error) -> Error {
         return Error::io("read", path)(why);
     }
     let cut = why.kind() == ErrorKind::UnexpectedEof;
-    Error::malformed(path, if cut { "it is cut short".to_owned() } else { why.to_string() })
+    Error::malformed(path, if cut { "it is cut short".to_owned() } else { brief(&why) })
 }
 
 fn refused(path: &Path, most: Size, why: ImageError) -> Error {
     match why {
         ImageError::IoError(why) => torn(path, why),
         ImageError::Limits(limit) if matches!(limit.kind(), LimitErrorKind::DimensionError) => too_large(path, most),
-        why => Error::malformed(path, why.to_string()),
+        why => Error::malformed(path, brief(&why)),
     }
 }

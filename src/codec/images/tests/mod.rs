@@ -170,6 +170,19 @@ fn read_mask(folder: &Path, name: &str, size: Size) -> crate::base::Result<Optio
 }
 
 #[test]
+fn a_decoder_that_repeats_what_it_found_is_cut_short() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.tif");
+    // Width, height, bits, RGB, and 16,163 samples a pixel, whose bits are all told.
+    let entries = [[256u16, 7], [257, 5], [258, 8], [262, 2], [273, 8], [277, 16_163], [279, 9]].map(|[tag, value]| {
+        [&tag.to_le_bytes()[..], &3u16.to_le_bytes(), &1u32.to_le_bytes(), &u32::from(value).to_le_bytes()].concat()
+    });
+    fs::write(&path, [b"II*\0\x08\0\0\0\x07\0", &entries.concat()[..], &[0; 99]].concat()).unwrap();
+    let why = size(&path).unwrap_err().to_string();
+    assert!(why.ends_with("...") && why.len() < 1000, "{} bytes: {}", why.len(), &why[..why.len().min(200)]);
+}
+
+#[test]
 fn an_attribute_of_an_exr_is_not_gathered_before_there_is_memory_for_it() {
     let (_folder, path) = saved("a.exr", &DynamicImage::from(gradient()).to_rgb32f().into());
     let whole = fs::read(&path).unwrap();
