@@ -21,14 +21,9 @@ pub(super) trait Engine: Send {
 
 /// Runs an engine's code. Its panic becomes an error like any other.
 pub(super) fn guarded<T>(work: impl FnOnce() -> Result<T, String>) -> Result<T, String> {
-    let mut gave_up = true;
-    let done = guard::guarded(|| {
-        let done = work();
-        gave_up = false;
-        done
-    });
+    let done = guard::guarded(work);
     clear_upper_halves();
-    done.map_err(|why| if gave_up { format!("the engine gave up: {why}") } else { why })
+    done.unwrap_or_else(|words| Err(format!("the engine gave up: {words}")))
 }
 
 /// Marks the upper halves of the vector registers as unused. An engine may leave them in use, and threads that are spawned

@@ -14,9 +14,10 @@ use super::need::{Becomes, Need, PNG_METADATA, tiff_values};
 use super::size::Size;
 use super::transfer::Curve;
 use super::{exr, hdr, jpeg, png, tiff};
+use crate::base::guard::guarded;
 use crate::base::input::Input;
 use crate::base::key::Key;
-use crate::base::shown::brief;
+use crate::base::shown::{brief, short};
 use crate::base::units::Bytes;
 use crate::base::{Error, Result};
 use crate::scene::frame::{LinearImage, Samples};
@@ -197,7 +198,11 @@ impl<'a> Opened<'a, BufReader<Input>> {
 }
 
 impl<'a, R: BufRead + Seek + 'a> Opened<'a, R> {
-    fn new(mut file: R, length: u64, path: &'a Path, expected: Option<Size>, becomes: Becomes) -> Result<Self> {
+    fn new(file: R, length: u64, path: &'a Path, expected: Option<Size>, becomes: Becomes) -> Result<Self> {
+        guarded(|| Opened::header(file, length, path, expected, becomes)).unwrap_or_else(|why| Err(gave_up(path, &why)))
+    }
+
+    fn header(mut file: R, length: u64, path: &'a Path, expected: Option<Size>, becomes: Becomes) -> Result<Self> {
         let most = expected.unwrap_or(MOST);
         let mut start = Vec::new();
         let read = file.by_ref().take(START).read_to_end(&mut start).and_then(|_| file.rewind());
@@ -253,6 +258,11 @@ impl<'a, R: BufRead + Seek + 'a> Opened<'a, R> {
 
 impl Opened<'_, Cursor<&[u8]>> {
     fn decode(self, bytes: &[u8], memory: u64) -> Result<DynamicImage> {
+        let path = self.path;
+        guarded(|| self.samples(bytes, memory)).unwrap_or_else(|why| Err(gave_up(path, &why)))
+    }
+
+    fn samples(self, bytes: &[u8], memory: u64) -> Result<DynamicImage> {
         let Opened { path, size, length, content, becomes, need } = self;
         if need.peak > memory {
             return Err(too_little(path, need.peak, memory));
@@ -295,6 +305,11 @@ fn limits(size: Size, bytes: u64) -> Limits {
     (limits.max_image_width, limits.max_image_height) = (Some(size.width), Some(size.height));
     limits.max_alloc = Some(bytes);
     limits
+}
+
+/// The error of a decoder that panicked: the file is skipped like any other that cannot be read.
+fn gave_up(path: &Path, words: &str) -> Error {
+    Error::malformed(path, format!("the decoder gave up: {}", short(words)))
 }
 
 /// The error of a header that was looked at before the decoder sees it.
