@@ -23,16 +23,14 @@ fuzz_target!(init: choose(), |bytes: &[u8]| {
 });
 
 fn choose() {
+    pass_over_panics_of_decoders();
     let name = env::var("GONIO_FUZZ").unwrap_or_default();
     match name.as_str() {
         "seeds" => seeds::write(),
         "check" => seeds::check(),
         "list" => TARGETS.iter().for_each(|target| println!("{}", target.name)),
         name => match TARGETS.iter().find(|target| target.name == name) {
-            Some(target) => {
-                pass_over_panics_of_decoders();
-                return CHOSEN.set(target).unwrap_or_default();
-            }
+            Some(target) => return CHOSEN.set(target).unwrap_or_default(),
             None => {
                 eprintln!("GONIO_FUZZ is {name:?}; the targets are {}", TARGETS.map(|target| target.name).join(", "));
                 process::exit(2);
