@@ -3,7 +3,7 @@
 use std::io::ErrorKind;
 use std::sync::Arc;
 
-use super::{outputs, put, run_here, scene};
+use super::{outputs, put, run_here, scene, steps};
 use crate::base::PhaseName;
 use crate::disk::faulty::{Fault, FaultyStore};
 use crate::disk::{Ledger, MemStore, Store};
@@ -24,8 +24,8 @@ fn whatever_fails_at_whatever_step_the_same_bytes_come_out() {
     run_here(Arc::new(counted.clone()), &pipeline).unwrap();
     let expected = outputs(&whole);
     assert!(counted.steps() > 100, "{} steps", counted.steps());
-    for fault in [Fault::Refused(ErrorKind::StorageFull), Fault::Killed, Fault::Torn] {
-        for at in 0..counted.steps() {
+    for (nth, fault) in [Fault::Refused(ErrorKind::StorageFull), Fault::Killed, Fault::Torn].into_iter().enumerate() {
+        for at in steps(nth, counted.steps(), 3) {
             let store = MemStore::new();
             let broken = run_here(Arc::new(FaultyStore::new(Arc::new(store.clone()), at, fault)), &pipeline);
             let why = broken.expect_err("the fault was passed over").to_string();

@@ -1,5 +1,8 @@
 //! A small run that is killed, refused, torn or without power at every step that it takes on the disk, one that rots, one that
 //! two raced for, a phase that nobody foresaw, and the keys that change nothing.
+//!
+//! Where a fault may come at any step, several faults share the steps, so that each step has some of them: `GONIO_EVERY_STEP=1`
+//! tries each at all steps.
 
 mod faults;
 #[cfg(unix)]
@@ -46,6 +49,12 @@ fn scene() -> (TempDir, Pipeline) {
     std::fs::write(&file, text).unwrap();
     let pipeline = load(&file, &[]).unwrap();
     (dir, pipeline)
+}
+
+/// The steps of the nth fault, of all of them one in so many.
+fn steps(nth: usize, all: u64, one_in: usize) -> impl Iterator<Item = u64> {
+    let one_in = if std::env::var_os("GONIO_EVERY_STEP").is_some() { 1 } else { one_in };
+    (0..all).skip(nth % one_in).step_by(one_in)
 }
 
 fn run_here(store: Arc<dyn Store>, pipeline: &Pipeline) -> Result<(Report, Vec<String>)> {
