@@ -20,9 +20,7 @@ pub mod cache {
 
 pub mod codec {
     pub mod images {
-        pub use crate::codec::images::{
-            Curve, Encoded, Size, Transfer, need, read_image, read_picture, size, write_jpeg, write_png,
-        };
+        pub use crate::codec::images::{Curve, Encoded, Size, Transfer, need, read_image, size, write_jpeg, write_png};
     }
     pub mod meshes {
         pub use crate::codec::meshes::read;

@@ -18,10 +18,11 @@ use crate::scene::view::View;
 use crate::shard::collect_shard;
 use crate::trace::{PixelHit, TileRays};
 
-/// Writes the buffers of one frame as a multi-channel EXR: what every pixel of its camera sees of the mesh.
+/// Writes the buffers of one frame as a multi-channel EXR: what every pixel of its camera sees of the mesh. Reads its photograph
+/// too, so that what a run said of it can be tried again.
 ///
 /// # Errors
-/// No frame of that name; anything that cannot be read or written.
+/// No frame of that name; anything that cannot be read or written; a photograph that a run would skip.
 pub(crate) fn buffers(pipeline: &Pipeline, frame: &str, out: &Path) -> Result<()> {
     writable(pipeline, out)?;
     let (.., scene) = looked_at(pipeline)?;
@@ -39,7 +40,8 @@ pub(crate) fn buffers(pipeline: &Pipeline, frame: &str, out: &Path) -> Result<()
             all.set(tile.position(pixel, size.0), hit.triangle, at, normal, hit.t, seen_at);
         }
     }
-    buffers::write(out, all)
+    buffers::write(out, all)?;
+    scene.decode(pipeline, "").read(frame, pipeline.run.memory.0).map(drop)
 }
 
 /// Writes the reflectance maps of these triangles, as `.npz` or as one `.png`, by the name of `out`.

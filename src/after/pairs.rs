@@ -132,8 +132,8 @@ fn pair(truth: &Path, found: &Path, curve: &Curve, space: ColorSpace) -> Result<
         let words = format!("{other} pixels, where {truth} has {size}");
         return Err(Error::malformed(found, words));
     }
-    let wanted = images::read_picture(truth, size, curve, MEMORY)?;
-    let found = images::read_picture(found, size, curve, MEMORY.saturating_sub(wanted.bytes()))?;
+    let wanted = images::read_image(truth, size, curve, MEMORY)?;
+    let found = images::read_image(found, size, curve, MEMORY.saturating_sub(wanted.bytes()))?;
     let [width, height] = [size.width, size.height].map(|side| side as usize);
     let values = |image: &LinearImage, at| {
         let rgb = image.pixel(at).map_or([f32::NAN; 3], |pixel| pixel.rgb);

@@ -59,6 +59,12 @@ impl Write for Escaping<'_, '_> {
     }
 }
 
+/// A word of a command, as a shell takes it.
+pub(crate) fn quoted(word: &str) -> String {
+    // Only a zero byte cannot be quoted, and no name has one.
+    shlex::try_quote(word).map_or_else(|_| word.to_owned(), |word| word.into_owned())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -187,7 +187,10 @@ fn place(cause: &Cause, pipeline: &Pipeline) -> PathBuf {
         Cause::Frame { frame, input: FrameInput::Image, .. } => scene.images.join(frame),
         Cause::Frame { frame, input: FrameInput::Mask, .. } => {
             let masks = scene.masks.clone().unwrap_or_default();
-            mask_path(&masks, frame).ok().flatten().unwrap_or_else(|| masks.join(frame).with_extension("png"))
+            mask_path(&masks, &scene.images, frame)
+                .ok()
+                .flatten()
+                .unwrap_or_else(|| masks.join(frame).with_extension("png"))
         }
         Cause::Frame { .. } | Cause::FrameGone { .. } => scene.poses.path.clone(),
         Cause::Input { key } if key == "scene.mesh" => scene.mesh.clone(),

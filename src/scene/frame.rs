@@ -63,6 +63,19 @@ impl LinearImage {
         self.len() == 0
     }
 
+    /// The image without what this mask ignores either; masks have a byte a pixel.
+    #[must_use]
+    pub fn masked(self, mask: Option<Vec<u8>>) -> LinearImage {
+        let both = match (self.mask, mask) {
+            (Some(one), Some(mut both)) => {
+                both.iter_mut().zip(one).filter(|(_, one)| *one == 0).for_each(|(pixel, _)| *pixel = 0);
+                Some(both)
+            }
+            (one, other) => other.or(one),
+        };
+        LinearImage { mask: both, ..self }
+    }
+
     /// The pixel at `row * width + column`; `None` where the pixel is masked or not finite.
     #[inline]
     pub fn pixel(&self, index: usize) -> Option<Pixel> {

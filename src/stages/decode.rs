@@ -7,6 +7,7 @@ use std::sync::Arc;
 use crate::base::convert::to_f32;
 use crate::base::ids::FrameId;
 use crate::base::patience::Patience;
+use crate::base::shown::quoted;
 use crate::base::{Error, Result, key};
 use crate::codec::images::{self, Curve, Encoded, Need, Size};
 use crate::config::{Choice, Effect, Former, Key, Keys, Now, Problem, Section, Settings, Value, outside};
@@ -238,13 +239,13 @@ impl Decode<'_> {
         if mask.as_ref().is_err_and(|why| !is_broken(why)) {
             contents.mask = Some(Content::NotRead);
         }
-        let both = image.and_then(|image| mask.map(|mask| LinearImage { mask, ..image }));
+        let both = image.and_then(|image| mask.map(|mask| image.masked(mask)));
         (both, contents)
     }
 
     /// The mask of a frame, if there is one.
     fn mask(&self, frame: &Frame) -> Result<Option<PathBuf>> {
-        self.masks.map_or(Ok(None), |masks| images::mask_path(masks, &frame.name))
+        self.masks.map_or(Ok(None), |masks| images::mask_path(masks, self.images, &frame.name))
     }
 
     /// The bytes of a frame's image and mask, as far as the system tells.
@@ -268,7 +269,11 @@ pub(crate) fn is_broken(why: &Error) -> bool {
 
 /// A frame that is skipped, with the reason and the command that tries the frame alone.
 pub(crate) fn skipped(frame: &Frame, why: &str, replay: &str) -> Skipped {
-    Skipped { item: frame.name.clone(), why: why.to_owned(), replay: format!("{replay} --frame {}", frame.name) }
+    Skipped {
+        item: frame.name.clone(),
+        why: why.to_owned(),
+        replay: format!("{replay} --frame {}", quoted(&frame.name)),
+    }
 }
 
 /// What is said of an input file that was not read.

@@ -1,4 +1,4 @@
-//! OpenEXR: the first layer that has R, G and B, on the grid of the display window, one block at a time.
+//! OpenEXR: the layer that has R, G and B, or Y alone, on the grid of the display window, one block at a time.
 
 use std::io::{self, BufRead, ErrorKind, Read, Seek};
 
@@ -7,7 +7,8 @@ use exr::error::Error;
 use exr::image::read::read;
 use exr::math::Vec2;
 use exr::meta::MetaData;
-use exr::prelude::{ReadChannels, ReadLayers, Text};
+use exr::meta::header::Header as Layer;
+use exr::prelude::{ReadChannels, ReadLayers, ReadSpecificChannel, Text};
 
 use super::size::Size;
 
@@ -22,14 +23,18 @@ const BLOCK: u64 = 96;
 const PIZ: u64 = 2 << 20;
 
 /// The contents of the header.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Header {
     /// The size of the display window.
     pub size: Size,
     /// The bytes that the decoder holds beside the pixels.
     pub workspace: u64,
-    /// Whether the layer has alpha.
-    pub alpha: bool,
+    /// Whether pixels may be missing: there is alpha, or the layer does not fill the display window.
+    pub masked: bool,
+    /// What comes before the names of the layer's channels, as `diffuse.`.
+    prefix: String,
+    /// Whether the layer has the one channel Y, not R, G and B.
+    grey: bool,
     /// The position of the layer's first pixel in the display window.
     offset: Vec2<i32>,
 }
@@ -50,11 +55,7 @@ impl Header {
     }
 
     fn of(meta: &MetaData) -> Result<Header, String> {
-        let has = |header: &exr::meta::header::Header, name: &str| {
-            header.channels.find_index_of_channel(&Text::from(name)).is_some()
-        };
-        let layer = meta.headers.iter().find(|h| !h.deep && ["R", "G", "B"].iter().all(|name| has(h, name)));
-        let layer = layer.ok_or("no layer has the channels R, G and B")?;
+        let (layer, prefix, grey) = chosen(meta)?;
         let window = layer.shared_attributes.display_window;
         let side = |side: usize| u32::try_from(side).map_err(|_| "the display window is too large".to_owned());
         // A block is held as the file has it, decompressed, and as samples.
@@ -64,8 +65,63 @@ impl Header {
         let workspace = block.saturating_mul(4).saturating_add(blocks.saturating_mul(BLOCK)).saturating_add(tables);
         let size = Size { width: side(window.size.width())?, height: side(window.size.height())? };
         let offset = layer.own_attributes.layer_position - window.position;
-        Ok(Header { size, workspace, alpha: has(layer, "A"), offset })
+        let whole = within_window(layer, offset);
+        let masked = has(layer, &format!("{prefix}A")) || !whole;
+        Ok(Header { size, workspace, masked, prefix, grey, offset })
     }
+}
+
+/// Whether a layer at this position in its display window fills it.
+fn within_window(layer: &Layer, offset: Vec2<i32>) -> bool {
+    let fills =
+        |offset: i32, side: usize, window: usize| offset <= 0 && i64::from(offset) + side as i64 >= window as i64;
+    let (side, window) = (layer.layer_size, layer.shared_attributes.display_window.size);
+    fills(offset.x(), side.width(), window.width()) && fills(offset.y(), side.height(), window.height())
+}
+
+fn has(layer: &Layer, name: &str) -> bool {
+    layer.channels.list.iter().any(|channel| channel.name == *name)
+}
+
+/// The most channels that are listed where none will do.
+const LISTED: usize = 24;
+
+/// The layer that is read, what comes before the names of its channels, and whether it is grey. Plain names come first.
+fn chosen(meta: &MetaData) -> Result<(&Layer, String, bool), String> {
+    let flat = || meta.headers.iter().filter(|layer| !layer.deep);
+    let ending = |last: &str| -> Vec<(&Layer, String)> {
+        let named = flat().flat_map(|layer| layer.channels.list.iter().map(move |c| (layer, c.name.to_string())));
+        let prefix =
+            |name: &str| name.strip_suffix(last).filter(|p| p.is_empty() || p.ends_with('.')).map(str::to_owned);
+        named.filter_map(|(layer, name)| Some((layer, prefix(&name)?))).collect()
+    };
+    for (first, others, grey) in [("R", &["G", "B"][..], false), ("Y", &[], true)] {
+        let mut found = ending(first);
+        // The decoder takes the first layer that has the first channel.
+        let is_first =
+            |layer: &Layer, name: &str| flat().find(|l| has(l, name)).is_some_and(|l| std::ptr::eq(l, layer));
+        found.retain(|(layer, prefix)| {
+            is_first(layer, &format!("{prefix}{first}")) && others.iter().all(|c| has(layer, &format!("{prefix}{c}")))
+        });
+        if grey && found.iter().any(|(layer, prefix)| has(layer, &format!("{prefix}RY"))) {
+            return Err("it has luminance and chroma (Y, RY and BY), which are not read: write R, G and B".to_owned());
+        }
+        let plain = found.iter().position(|(_, prefix)| prefix.is_empty());
+        match (plain, &found[..]) {
+            (Some(at), _) => return Ok((found[at].0, String::new(), grey)),
+            (None, [(layer, prefix)]) => return Ok((layer, prefix.clone(), grey)),
+            (None, []) => {}
+            (None, several) => {
+                let names: Vec<&str> = several.iter().take(LISTED).map(|(_, p)| p.trim_end_matches('.')).collect();
+                let words = format!("{} of its layers are pictures: {}", several.len(), names.join(", "));
+                return Err(format!("{words}; write the photograph's channels as R, G and B"));
+            }
+        }
+    }
+    let names: Vec<String> = flat().flat_map(|h| h.channels.list.iter().map(|c| c.name.to_string())).collect();
+    let more = if names.len() > LISTED { ", ..." } else { "" };
+    let listed = names[..names.len().min(LISTED)].join(", ");
+    Err(format!("no layer has the channels R, G and B; these are there: {listed}{more}"))
 }
 
 /// The red of a pixel that no block has written: a number that no file holds.
@@ -77,7 +133,9 @@ const UNWRITTEN: f32 = f32::from_bits(0x7fd1_5ea5);
 /// # Errors
 /// In words: those of the decoder; blocks that are missing.
 pub(super) fn decode<const CHANNELS: usize>(file: impl BufRead + Seek, header: &Header) -> Result<Vec<f32>, String> {
-    let Header { size: Size { width, height }, offset, .. } = *header;
+    let Header { size: Size { width, height }, offset, grey, .. } = *header;
+    let named = |channel: &str| Text::from(format!("{}{channel}", header.prefix).as_str());
+    let [first, second, third] = if grey { ["Y", "no G", "no B"] } else { ["R", "G", "B"] }.map(named);
     let place = move |at: Vec2<usize>| {
         let (x, y) = (within(at.x(), offset.x(), width)?, within(at.y(), offset.y(), height)?);
         Some(CHANNELS * (y * width as usize + x))
@@ -95,9 +153,15 @@ pub(super) fn decode<const CHANNELS: usize>(file: impl BufRead + Seek, header: &
     let image = read()
         .no_deep_data()
         .largest_resolution_level()
-        .rgba_channels(
+        .specific_channels()
+        .required(first)
+        .optional(second, 0.0)
+        .optional(third, 0.0)
+        .optional(named("A"), 1.0)
+        .collect_pixels(
             move |layer, _| unwritten(layer),
             move |pixels: &mut Vec<f32>, at, (r, g, b, a): (f32, f32, f32, f32)| {
+                let (g, b) = if grey { (r, r) } else { (g, b) };
                 if let Some(first) = place(at) {
                     pixels[first..first + CHANNELS].copy_from_slice(&[r, g, b, a][..CHANNELS]);
                 }

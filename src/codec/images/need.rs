@@ -36,8 +36,7 @@ impl Need {
     /// The need of an EXR, without its bytes.
     pub(super) fn of_exr(header: &exr::Header, becomes: Becomes) -> Need {
         let pixels = header.size.pixels();
-        let masked = becomes == Becomes::Masked && header.alpha;
-        let color = if masked { ColorType::Rgba32F } else { ColorType::Rgb32F };
+        let color = if header.masked { ColorType::Rgba32F } else { ColorType::Rgb32F };
         let decoded = pixels * u64::from(color.bytes_per_pixel());
         Need::of(decoded.saturating_add(header.workspace), pixels, color, becomes)
     }
@@ -47,9 +46,9 @@ impl Need {
     pub(super) fn of_png(size: Size, color: ColorType, metadata: u64, becomes: Becomes) -> Need {
         let rows = 4 * u64::from(size.width) * u64::from(color.bytes_per_pixel());
         let decoded = size.pixels() * u64::from(color.bytes_per_pixel());
-        // What deflate squeezed is at most 1032 times as long, and grows in a vector too.
-        let inflated = PNG_METADATA + (1032 * metadata).min(PNG_METADATA);
-        Need::of(decoded + rows + 3 * metadata + inflated, size.pixels(), color, becomes)
+        // 16 bits are put into the order of this machine in a second buffer.
+        let wide = if color.bytes_per_pixel() / color.channel_count() == 2 { decoded } else { 0 };
+        Need::of(decoded + rows.max(wide) + 3 * metadata, size.pixels(), color, becomes)
     }
 
     /// The need of a TIFF of this many bytes, without these; it is decoded into a buffer and copied.
@@ -71,11 +70,11 @@ impl Need {
     fn of(decoding: u64, pixels: u64, color: ColorType, becomes: Becomes) -> Need {
         let decoded = pixels * u64::from(color.bytes_per_pixel());
         let (kept, held) = match (becomes, color) {
-            (Becomes::Grey, ColorType::L8) => (true, decoded),
-            (Becomes::Grey, _) => (false, pixels),
-            (_, ColorType::Rgb8 | ColorType::Rgb16 | ColorType::Rgb32F) => (true, decoded),
-            (becomes, color) => {
-                let mask = u64::from(becomes == Becomes::Masked && color.has_alpha());
+            (Becomes::Mask, ColorType::L8) => (true, decoded),
+            (Becomes::Mask, _) => (false, pixels),
+            (Becomes::Color, ColorType::Rgb8 | ColorType::Rgb16 | ColorType::Rgb32F) => (true, decoded),
+            (Becomes::Color, color) => {
+                let mask = u64::from(color.has_alpha());
                 (false, pixels * (3 * u64::from(color.bytes_per_pixel() / color.channel_count()) + mask))
             }
         };
@@ -87,18 +86,16 @@ impl Need {
 /// The samples that an image is read as.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Becomes {
-    /// Red, green and blue, as wide as they are.
-    Rgb,
-    /// The same, and a mask of one byte a pixel if there is alpha.
-    Masked,
-    /// One byte a pixel.
-    Grey,
+    /// Red, green and blue, as wide as they are, and a mask of one byte a pixel if there is alpha.
+    Color,
+    /// A mask of one byte a pixel.
+    Mask,
 }
 
 /// The bytes of buffers that do not grow with the image.
 const SLACK: u64 = 1 << 20;
 
-/// The most bytes of colour profiles, text and the like that a PNG may hold, as they are and once they are decompressed.
+/// The most bytes that a PNG may hold before its pixels, without texts and profiles.
 pub(super) const PNG_METADATA: u64 = 4 << 20;
 
 /// The most bytes that the values of a TIFF's directory, and a strip before it is decompressed, may take. The TIFF has

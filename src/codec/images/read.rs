@@ -2,18 +2,17 @@
 //! it is read: a file that needs more memory than it was given is refused before a sample is decoded. A file is read once,
 //! as a whole ([`Encoded`]), and decoded from these bytes, whose key is that of the result.
 
-use std::fs;
 use std::io::{self, BufRead, BufReader, Cursor, ErrorKind, Read, Seek};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 use image::error::{ImageError, LimitErrorKind};
 use image::{ColorType, DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 
-use super::need::{Becomes, Need, PNG_METADATA, tiff_values};
+use super::need::{Becomes, Need, tiff_values};
 use super::size::Size;
 use super::transfer::Curve;
-use super::{exr, hdr, jpeg, png, tiff};
+use super::{exr, hdr, jpeg, mask, png, tiff};
 use crate::base::guard::guarded;
 use crate::base::input::Input;
 use crate::base::key::Key;
@@ -22,8 +21,8 @@ use crate::base::units::Bytes;
 use crate::base::{Error, Result};
 use crate::scene::frame::{LinearImage, Samples};
 
-/// The largest picture whose size is not known beforehand: a JPEG has no longer sides.
-const MOST: Size = Size { width: 65_535, height: 65_535 };
+/// The bytes that a decoder may hold before it knows the size of a picture.
+const HEADER: u64 = 4 << 20;
 
 /// The bytes of a file's start that formats are recognised by.
 const START: u64 = 64;
@@ -33,7 +32,7 @@ const START: u64 = 64;
 /// # Errors
 /// No such file, an unknown format, a damaged header, another size.
 pub fn need(path: &Path, size: Size) -> Result<Need> {
-    Ok(Opened::at(path, Some(size), Becomes::Rgb)?.need)
+    Ok(Opened::at(path, Some(size), Becomes::Color)?.need)
 }
 
 /// Whether a file has the ending of a format that is read: .jpg, .jpeg, .png, .tif, .tiff, .exr or .hdr.
@@ -47,10 +46,11 @@ pub(crate) fn is_picture(path: &Path) -> bool {
 /// # Errors
 /// No such file, an unknown format, a damaged header, a larger one.
 pub fn size(path: &Path) -> Result<Size> {
-    Ok(Opened::at(path, None, Becomes::Rgb)?.size)
+    Ok(Opened::at(path, None, Becomes::Color)?.size)
 }
 
-/// Reads a photograph of this size, unmasked, within `memory` bytes.
+/// Reads a picture of this size within `memory` bytes. Pixels are masked where alpha is 0, and in an EXR where the file has no
+/// pixels.
 ///
 /// # Errors
 /// No such file, an unknown format, a damaged file, another size, a file that takes more memory.
@@ -58,31 +58,8 @@ pub fn read_image(path: &Path, size: Size, curve: &Curve, memory: u64) -> Result
     Encoded::read(path, memory)?.image(size, curve, memory)
 }
 
-/// Reads a picture of this size within `memory` bytes. Pixels are masked where alpha is 0; in an EXR with alpha, also
-/// where the file has no pixels.
-///
-/// # Errors
-/// Those of [`read_image`].
-pub fn read_picture(path: &Path, size: Size, curve: &Curve, memory: u64) -> Result<LinearImage> {
-    let encoded = Encoded::read(path, memory)?;
-    let decoded = encoded.decode(size, Becomes::Masked, memory)?;
-    let mask = match &decoded {
-        DynamicImage::ImageLumaA8(picture) => Some(opaque::<_, 2>(picture)),
-        DynamicImage::ImageLumaA16(picture) => Some(opaque::<_, 2>(picture)),
-        DynamicImage::ImageRgba8(picture) => Some(opaque::<_, 4>(picture)),
-        DynamicImage::ImageRgba16(picture) => Some(opaque::<_, 4>(picture)),
-        DynamicImage::ImageRgba32F(picture) => Some(opaque::<_, 4>(picture)),
-        _ => None,
-    };
-    Ok(LinearImage { mask, ..linear(decoded, size, curve) })
-}
-
-/// The mask of pixels whose last channel is alpha.
-fn opaque<T: Default + PartialEq, const CHANNELS: usize>(samples: &[T]) -> Vec<u8> {
-    samples.as_chunks::<CHANNELS>().0.iter().map(|pixel| u8::from(pixel[CHANNELS - 1] != T::default())).collect()
-}
-
 fn linear(decoded: DynamicImage, size: Size, curve: &Curve) -> LinearImage {
+    let mask = mask::of_alpha(&decoded);
     let (samples, table): (_, Arc<[f32]>) = match decoded.color() {
         ColorType::L8 | ColorType::La8 | ColorType::Rgb8 | ColorType::Rgba8 => {
             (Samples::U8(decoded.into_rgb8().into_raw()), curve.eight.clone())
@@ -92,26 +69,7 @@ fn linear(decoded: DynamicImage, size: Size, curve: &Curve) -> LinearImage {
         }
         _ => (Samples::F32(decoded.into_rgb32f().into_raw()), Arc::from([])),
     };
-    LinearImage { width: size.width, height: size.height, samples, table, mask: None }
-}
-
-/// The mask of an image in a folder of masks: `NAME.png`, as COLMAP names it, or the image's name with the ending `.png`;
-/// `None` if there is neither file: every pixel counts.
-///
-/// # Errors
-/// The system does not say whether there is one.
-pub(crate) fn mask_path(masks: &Path, name: &str) -> Result<Option<PathBuf>> {
-    let appended = masks.join(format!("{name}.png"));
-    let replaced = masks.join(name).with_extension("png");
-    for path in [appended, replaced] {
-        match fs::metadata(&path) {
-            Ok(found) if found.is_dir() => {}
-            Ok(_) => return Ok(Some(path)),
-            Err(why) if matches!(why.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => {}
-            Err(why) => return Err(Error::io("look at", path)(why)),
-        }
-    }
-    Ok(None)
+    LinearImage { width: size.width, height: size.height, samples, table, mask }
 }
 
 /// The memory that reading a mask of this size takes.
@@ -119,7 +77,7 @@ pub(crate) fn mask_path(masks: &Path, name: &str) -> Result<Option<PathBuf>> {
 /// # Errors
 /// A damaged header, another size.
 pub(crate) fn mask_need(path: &Path, size: Size) -> Result<Need> {
-    Ok(Opened::at(path, Some(size), Becomes::Grey)?.need)
+    Ok(Opened::at(path, Some(size), Becomes::Mask)?.need)
 }
 
 /// The bytes of an image file.
@@ -144,20 +102,22 @@ impl<'a> Encoded<'a> {
         Ok(Encoded { path, key: Key::of_bytes(&bytes), bytes })
     }
 
-    /// Decodes a photograph of this size, unmasked, within `memory` bytes, the file's own among them.
+    /// Decodes a picture of this size, masked where alpha is 0 and where there are no pixels, within `memory` bytes, the
+    /// file's own among them.
     ///
     /// # Errors
     /// An unknown format, a damaged file, another size, a file that takes more memory.
     pub fn image(&self, size: Size, curve: &Curve, memory: u64) -> Result<LinearImage> {
-        Ok(linear(self.decode(size, Becomes::Rgb, memory)?, size, curve))
+        Ok(linear(self.decode(size, Becomes::Color, memory)?, size, curve))
     }
 
-    /// Decodes a mask of this size: 0 where a pixel is ignored, anything else where it counts.
+    /// Decodes a mask of this size: 0 where a pixel is ignored, since all its colours are 0 or its alpha is, anything else where
+    /// it counts.
     ///
     /// # Errors
     /// Those of [`Encoded::image`].
     pub fn mask(&self, size: Size, memory: u64) -> Result<Vec<u8>> {
-        Ok(self.decode(size, Becomes::Grey, memory)?.into_luma8().into_raw())
+        Ok(mask::of_picture(self.decode(size, Becomes::Mask, memory)?))
     }
 
     fn decode(&self, size: Size, becomes: Becomes, memory: u64) -> Result<DynamicImage> {
@@ -168,24 +128,19 @@ impl<'a> Encoded<'a> {
 }
 
 /// An image whose header is read.
-struct Opened<'a, R> {
+struct Opened<'a, R: BufRead + Seek> {
     path: &'a Path,
     size: Size,
     length: u64,
     content: Content<'a, R>,
-    becomes: Becomes,
     need: Need,
 }
 
-enum Content<'a, R> {
+enum Content<'a, R: BufRead + Seek> {
     Jpeg(R, jpeg::Header),
     Exr(R, exr::Header),
-    Other {
-        decoder: Box<dyn ImageDecoder + 'a>,
-        format: ImageFormat,
-        /// The bytes that come before the pixels of a PNG.
-        metadata: u64,
-    },
+    Png(Box<png::Header<R>>),
+    Other { decoder: Box<dyn ImageDecoder + 'a>, format: ImageFormat },
 }
 
 impl<'a> Opened<'a, BufReader<Input>> {
@@ -203,56 +158,59 @@ impl<'a, R: BufRead + Seek + 'a> Opened<'a, R> {
     }
 
     fn header(mut file: R, length: u64, path: &'a Path, expected: Option<Size>, becomes: Becomes) -> Result<Self> {
-        let most = expected.unwrap_or(MOST);
         let mut start = Vec::new();
         let read = file.by_ref().take(START).read_to_end(&mut start).and_then(|_| file.rewind());
         read.map_err(Error::io("read", path))?;
-        let format = image::guess_format(&start)
-            .map_err(|_| Error::malformed(path, "no image that gonio reads: JPEG, PNG, TIFF, EXR or HDR"))?;
+        let format = if tiff::is_big(&start) { Ok(ImageFormat::Tiff) } else { image::guess_format(&start) };
+        let format =
+            format.map_err(|_| Error::malformed(path, "no image that gonio reads: JPEG, PNG, TIFF, EXR or HDR"))?;
         let (content, size) = match format {
             ImageFormat::Jpeg => {
                 let header = jpeg::Header::read(&mut file).map_err(|why| unheaded(path, "JPEG", why))?;
                 (Content::Jpeg(file, header), header.size)
             }
+            ImageFormat::Png => {
+                let header = png::Header::read(file).map_err(|why| unheaded(path, "PNG", why))?;
+                let size = header.size;
+                (Content::Png(Box::new(header)), size)
+            }
             ImageFormat::OpenExr => {
                 let header = exr::Header::read(&mut file).map_err(|why| unheaded(path, "EXR", why))?;
-                (Content::Exr(file, header), header.size)
+                let size = header.size;
+                (Content::Exr(file, header), size)
             }
             format => {
-                let metadata = match format {
-                    ImageFormat::Png => png::metadata(&mut file).map_err(|why| unheaded(path, "PNG", why))?,
-                    ImageFormat::Tiff => {
-                        tiff::check(&mut file).map(|()| 0).map_err(|why| unheaded(path, "TIFF", why))?
-                    }
-                    ImageFormat::Hdr => hdr::check(&mut file).map(|()| 0).map_err(|why| unheaded(path, "HDR", why))?,
-                    _ => 0,
-                };
+                match format {
+                    ImageFormat::Tiff => tiff::check(&mut file).map_err(|why| unheaded(path, "TIFF", why))?,
+                    ImageFormat::Hdr => hdr::check(&mut file).map_err(|why| unheaded(path, "HDR", why))?,
+                    _ => {}
+                }
                 let mut reader = ImageReader::with_format(file, format);
-                reader.limits(limits(most, PNG_METADATA));
-                let decoder = reader.into_decoder().map_err(|why| refused(path, most, why))?;
+                // No pixel is decoded yet.
+                reader.limits(limits(Size::MOST, HEADER));
+                let decoder = reader.into_decoder().map_err(|why| refused(path, Size::MOST, why))?;
                 let (width, height) = decoder.dimensions();
                 let size = Size { width, height };
-                (Content::Other { decoder: Box::new(decoder), format, metadata }, size)
+                (Content::Other { decoder: Box::new(decoder), format }, size)
             }
         };
-        if expected.is_some_and(|expected| size != expected) {
-            return Err(Error::malformed(path, format!("{size} pixels, where {most} are expected")));
+        if let Some(expected) = expected.filter(|&expected| expected != size) {
+            let hint = size.compared(expected).map(|hint| format!(": {hint}")).unwrap_or_default();
+            return Err(Error::malformed(path, format!("{size} pixels, where {expected} are expected{hint}")));
         }
-        if size.width > most.width || size.height > most.height {
-            return Err(too_large(path, most));
+        if let Some(why) = size.too_large() {
+            return Err(Error::malformed(path, why));
         }
         // The size must be checked first: the bytes of an unchecked one could overflow.
         let need = match &content {
             Content::Jpeg(_, header) => Need::of_jpeg(header, becomes),
             Content::Exr(_, header) => Need::of_exr(header, becomes),
-            Content::Other { decoder, format: ImageFormat::Png, metadata } => {
-                Need::of_png(size, decoder.color_type(), *metadata, becomes)
-            }
+            Content::Png(header) => Need::of_png(size, header.color, header.metadata, becomes),
             Content::Other { format: ImageFormat::Hdr, .. } => Need::of_hdr(size, becomes),
             Content::Other { decoder, .. } => Need::of_tiff(size, decoder.color_type(), length, becomes),
         };
         // The file's own bytes are held to the end.
-        Ok(Opened { path, size, length, content, becomes, need: Need { peak: length + need.peak, ..need } })
+        Ok(Opened { path, size, length, content, need: Need { peak: length + need.peak, ..need } })
     }
 }
 
@@ -263,15 +221,16 @@ impl Opened<'_, Cursor<&[u8]>> {
     }
 
     fn samples(self, bytes: &[u8], memory: u64) -> Result<DynamicImage> {
-        let Opened { path, size, length, content, becomes, need } = self;
+        let Opened { path, size, length, content, need } = self;
         if need.peak > memory {
             return Err(too_little(path, need.peak, memory));
         }
         match content {
             Content::Jpeg(_, header) => jpeg::decode(bytes, &header).map_err(|why| Error::malformed(path, brief(&why))),
+            Content::Png(header) => header.decode().map_err(|why| torn(path, why)),
             Content::Exr(mut file, header) => {
                 file.set_position(0);
-                let picture = if becomes == Becomes::Masked && header.alpha {
+                let picture = if header.masked {
                     let samples = exr::decode::<4>(file, &header).map_err(|why| Error::malformed(path, brief(&why)))?;
                     image::Rgba32FImage::from_raw(size.width, size.height, samples).map(DynamicImage::from)
                 } else {
@@ -320,10 +279,6 @@ fn unheaded(path: &Path, format: &str, why: io::Error) -> Error {
     }
 }
 
-fn too_large(path: &Path, most: Size) -> Error {
-    Error::malformed(path, format!("it is larger than {most} pixels, the most that is expected"))
-}
-
 /// The error where a header or samples end early: the system's, if it is one, or else a fault of the file.
 fn torn(path: &Path, why: io::Error) -> Error {
     if why.raw_os_error().is_some() {
@@ -336,7 +291,9 @@ fn torn(path: &Path, why: io::Error) -> Error {
 fn refused(path: &Path, most: Size, why: ImageError) -> Error {
     match why {
         ImageError::IoError(why) => torn(path, why),
-        ImageError::Limits(limit) if matches!(limit.kind(), LimitErrorKind::DimensionError) => too_large(path, most),
+        ImageError::Limits(limit) if matches!(limit.kind(), LimitErrorKind::DimensionError) => {
+            Error::malformed(path, format!("it is larger than {most} pixels, the most that is expected"))
+        }
         why => Error::malformed(path, brief(&why)),
     }
 }

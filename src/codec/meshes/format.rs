@@ -14,7 +14,7 @@ pub(crate) struct MeshFormat {
     /// Whether a file that begins with these bytes is of the format, whatever its name is. The bytes are the first 64, or
     /// fewer if the file has no more.
     pub begins: fn(&[u8]) -> bool,
-    /// Tells every vertex and triangle, in the file's order. A mesh is read in two passes: this is called twice, so that
+    /// Tells every vertex and face, in the file's order. A mesh is read in passes: this is called two or three times, so that
     /// nothing but the mesh is held, each time with the file at its first byte. Its errors name the position of a fault in
     /// the file.
     pub tell: fn(&mut Input, &mut dyn Polygons) -> Result<()>,

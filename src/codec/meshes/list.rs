@@ -103,7 +103,7 @@ mod tests {
             let count = text.strip_prefix("triangles ").and_then(|count| count.parse().ok());
             let count: u32 = count.ok_or_else(|| Error::malformed(file.path(), "no count"))?;
             [DVec3::ZERO, DVec3::X, DVec3::Y].into_iter().for_each(|at| to.vertex(at));
-            (0..count).for_each(|_| to.triangle([0, 1, 2]));
+            (0..count).for_each(|_| to.polygon(&[0, 1, 2]));
             Ok(())
         },
     };

@@ -1,9 +1,10 @@
 //! Wavefront OBJ (Wavefront's Advanced Visualizer manual, appendix B1), read: its vertices and faces.
 //!
 //! - `v x y z`; what follows (w, a colour) is passed over. `f` with corners `v`, `v/vt`, `v//vn` or `v/vt/vn`. Indices count
-//!   from 1; negative ones count back from the last vertex above the face.
-//! - All objects and groups are one mesh. A face of n corners becomes a fan of n - 2 triangles around its first corner.
-//! - A backslash at the end of a line continues it. Every other statement (normals, materials, lines) is passed over.
+//!   from 1, through the whole file; negative ones count back from the last vertex above the face.
+//! - All objects and groups are one mesh. A face of n corners becomes n - 2 triangles.
+//! - A backslash at the end of a line continues it, but for a comment. Every other statement (normals, materials, lines) is
+//!   passed over, and so is a byte-order mark before the first. Lines end in LF, CR LF, or CR alone.
 
 use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
@@ -18,19 +19,23 @@ use crate::scene::survey::Polygons;
 /// Wavefront OBJ. Any text may begin such a file: its name decides.
 pub(crate) const OBJ: MeshFormat = MeshFormat { name: "OBJ", endings: &["obj"], begins: |_| false, tell };
 
+/// The byte-order mark of UTF-8, as editors write it.
+const BOM: &[u8] = b"\xef\xbb\xbf";
+
 /// The most bytes of a statement: a file of another format must not be gathered as one line.
 const LONGEST: u64 = 1 << 20;
 
 fn tell(file: &mut Input, to: &mut dyn Polygons) -> Result<()> {
     let path = &file.path().to_owned();
-    let mut told = Told { to, vertices: 0, faces: 0 };
-    let mut lines = Lines { reader: BufReader::with_capacity(1 << 18, file), number: 0 };
+    let mut told = Told { to, vertices: 0, faces: 0, corners: Vec::new(), beyond: None };
+    let mut lines = Lines { reader: BufReader::with_capacity(1 << 18, file), number: 0, end: b'\n' };
+    lines.find_end().map_err(Error::io("read", path))?;
     let mut statement = Vec::new();
     while let Some(line) = lines.next(&mut statement).map_err(|why| why.at(path))? {
         let text = String::from_utf8_lossy(&statement);
-        told.add(&text).map_err(|found| Error::malformed(path, format!("line {line}: {found}")))?;
+        told.add(line, &text).map_err(|found| Error::malformed(path, format!("line {line}: {found}")))?;
     }
-    Ok(())
+    told.check_beyond().map_err(|found| Error::malformed(path, found))
 }
 
 /// The vertices and faces of the statements so far.
@@ -38,16 +43,19 @@ struct Told<'a> {
     to: &'a mut dyn Polygons,
     vertices: usize,
     faces: u64,
+    corners: Vec<u32>,
+    /// The line, the face and the number of the last of the vertices that were named before they came.
+    beyond: Option<(u64, u64, u32)>,
 }
 
 impl Told<'_> {
     /// Adds what a statement says, or says in words what is wrong with it.
-    fn add(&mut self, statement: &str) -> Result<(), String> {
+    fn add(&mut self, line: u64, statement: &str) -> Result<(), String> {
         let statement = statement.split('#').next().unwrap_or_default();
         let mut words = statement.split_ascii_whitespace();
         match words.next() {
             Some("v") => self.vertex(words),
-            Some("f") => self.face(words),
+            Some("f") => self.face(line, words),
             _ => Ok(()),
         }
     }
@@ -68,22 +76,21 @@ impl Told<'_> {
         Ok(())
     }
 
-    fn face<'a>(&mut self, mut words: impl Iterator<Item = &'a str>) -> Result<(), String> {
+    fn face<'a>(&mut self, line: u64, words: impl Iterator<Item = &'a str>) -> Result<(), String> {
         let face = self.faces;
         self.faces += 1;
-        let mut corner = || words.next().map(|word| self.index(word).map_err(|why| format!("face {face}: {why}")));
-        let (Some(a), Some(b), Some(c)) = (corner(), corner(), corner()) else {
-            return Err(format!("face {face} has fewer than three corners"));
-        };
-        let (a, mut b, mut next) = (a?, b?, Some(c));
-        let mut fan = Vec::new();
-        while let Some(c) = next {
-            let c = c?;
-            fan.push([a, b, c]);
-            b = c;
-            next = corner();
+        self.corners.clear();
+        for word in words {
+            let index = self.index(word).map_err(|why| format!("face {face}: {why}"))?;
+            if index as usize >= self.vertices && self.beyond.is_none_or(|(_, _, last)| last <= index) {
+                self.beyond = Some((line, face, index));
+            }
+            self.corners.push(index);
         }
-        fan.into_iter().for_each(|t| self.to.triangle(t));
+        if self.corners.len() < 3 {
+            return Err(format!("face {face} has fewer than three corners"));
+        }
+        self.to.polygon(&self.corners);
         Ok(())
     }
 
@@ -93,9 +100,22 @@ impl Told<'_> {
         let named: i64 = word.parse().map_err(|_| format!("{:?} is not a whole number", shortened(corner)))?;
         let count = i64::try_from(self.vertices).map_err(|why| why.to_string())?;
         let position = if named < 0 { count.checked_add(named) } else { named.checked_sub(1) };
-        position.filter(|p| (0..count).contains(p)).and_then(|p| u32::try_from(p).ok()).ok_or_else(|| {
+        position.filter(|&p| p >= 0).and_then(|p| u32::try_from(p).ok()).ok_or_else(|| {
             format!("refers to vertex {named}, but there are {count} above it, counted from 1 or back from -1")
         })
+    }
+
+    /// Whether all vertices that were named came in the end.
+    fn check_beyond(&self) -> Result<(), String> {
+        match self.beyond {
+            Some((line, face, last)) if last as usize >= self.vertices => {
+                let (named, count) = (u64::from(last) + 1, self.vertices);
+                Err(format!(
+                    "line {line}: face {face}: refers to vertex {named}, but there are {count}, counted from 1"
+                ))
+            }
+            _ => Ok(()),
+        }
     }
 }
 
@@ -107,6 +127,8 @@ fn shortened(word: &str) -> String {
 struct Lines<'a> {
     reader: BufReader<&'a mut Input>,
     number: u64,
+    /// The last byte of every line.
+    end: u8,
 }
 
 /// Why there is no next statement.
@@ -127,21 +149,34 @@ impl Torn {
 }
 
 impl Lines<'_> {
+    /// Finds how lines end, and passes over a byte-order mark.
+    fn find_end(&mut self) -> std::io::Result<()> {
+        let start = self.reader.fill_buf()?;
+        let first = start.iter().position(|byte| matches!(byte, b'\n' | b'\r'));
+        if first.is_some_and(|at| start[at] == b'\r' && start.get(at + 1).is_some_and(|&next| next != b'\n')) {
+            self.end = b'\r';
+        }
+        if start.starts_with(BOM) {
+            self.reader.consume(BOM.len());
+        }
+        Ok(())
+    }
+
     /// Reads the next statement in place of the last; gives the number of the line that it begins in.
     fn next(&mut self, statement: &mut Vec<u8>) -> Result<Option<u64>, Torn> {
         statement.clear();
         let first = self.number + 1;
         loop {
             let left = LONGEST - statement.len() as u64;
-            let read = self.reader.by_ref().take(left).read_until(b'\n', statement).map_err(Torn::Io)?;
+            let read = self.reader.by_ref().take(left).read_until(self.end, statement).map_err(Torn::Io)?;
             if read == 0 {
                 return Ok((!statement.is_empty()).then_some(first));
             }
             self.number += 1;
-            let whole = statement.ends_with(b"\n");
+            let whole = statement.ends_with(&[self.end]);
             statement.truncate(statement.trim_ascii_end().len());
             match (whole, statement.last()) {
-                (true, Some(b'\\')) => *statement.last_mut().unwrap_or(&mut 0) = b' ',
+                (true, Some(b'\\')) if !statement.contains(&b'#') => *statement.last_mut().unwrap_or(&mut 0) = b' ',
                 (false, _) if read as u64 == left => return Err(Torn::TooLong(self.number)),
                 _ => return Ok(Some(first)),
             }
@@ -190,6 +225,20 @@ mod tests {
     }
 
     #[test]
+    fn what_editors_and_programs_write_is_read() {
+        let square = read_text(format!("{SQUARE}f 1 2 3 4").as_bytes()).unwrap();
+        for text in [
+            format!("\u{feff}{SQUARE}f 1 2 3 4"),
+            format!("# made in C:\\scans\\\n{SQUARE}f 1 2 3 4"),
+            format!("f 1 2 3 4\n{SQUARE}"),
+            format!("{SQUARE}f 1 2 3 4").replace('\n', "\r"),
+            format!("v 0 0 0 # C:\\\n{}f 1 2 3 4", &SQUARE[8..]),
+        ] {
+            assert_eq!(read_text(text.as_bytes()).unwrap(), square, "{text:?}");
+        }
+    }
+
+    #[test]
     fn what_is_wrong_is_told_with_its_line() {
         for (text, words) in [
             ("v 0 0\n", "line 1: vertex 0 has fewer than three coordinates"),
@@ -198,6 +247,7 @@ mod tests {
             ("v 0 0 0\nv 0 NaN 0\n", "line 2: vertex 1 is"),
             ("v 0 0 0\nf 1 1\n", "line 2: face 0 has fewer than three corners"),
             ("v 0 0 0\nf 0 1 1\n", "line 2: face 0: refers to vertex 0, but there are 1"),
+            ("f 1 1 9\nf 1 1 8\nv 0 0 0\n", "line 1: face 0: refers to vertex 9, but there are 1, counted from 1"),
             ("v 0 0 0\nf 1 1 2\n", "line 2: face 0: refers to vertex 2"),
             ("v 0 0 0\n\nf 1 -2 1\n", "line 3: face 0: refers to vertex -2"),
             ("v 0 0 0\nf 1 1 1 x/1\n", "line 2: face 0: \"x/1\" is not a whole number"),

@@ -7,10 +7,10 @@ use crate::base::input::Input;
 use crate::base::{Error, Result};
 use crate::scene::Mesh;
 use crate::scene::mesh::MeshError;
-use crate::scene::survey::{Polygons, Survey};
+use crate::scene::survey::{Next, Polygons, Survey};
 
-/// Reads a mesh in two passes over its file: the first finds how many bytes the mesh takes, the second, if `may` allows
-/// so many, holds them.
+/// Reads a mesh in passes over its file: the first finds how many bytes the mesh takes, the last, if `may` allows so many,
+/// holds them.
 ///
 /// # Errors
 /// Those of the format; what is told makes no mesh; the answer of `may`; a file that is changed meanwhile.
@@ -27,7 +27,13 @@ pub(super) fn read(format: &MeshFormat, file: &mut Input, may: &dyn Fn(u64) -> R
     let mut survey = Survey::default();
     tell(&mut survey)?;
     may(survey.bytes())?;
-    let mut filling = survey.filling().map_err(wrong)?;
+    let mut filling = match survey.next().map_err(wrong)? {
+        Next::Narrowing(mut narrowing) => {
+            tell(&mut narrowing)?;
+            narrowing.filling()
+        }
+        Next::Filling(filling) => filling,
+    };
     tell(&mut filling)?;
     filling.finish().map_err(wrong)
 }

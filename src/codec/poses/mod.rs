@@ -3,9 +3,11 @@
 pub(crate) mod colmap;
 mod format;
 mod list;
+mod names;
 mod read;
 
 pub use colmap::COLMAP;
 pub(crate) use format::{PoseFormat, Target};
 pub(crate) use list::NAMES;
+pub(crate) use names::resolve;
 pub use read::read;

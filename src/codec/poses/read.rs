@@ -17,11 +17,21 @@ const LONGEST: usize = 4096;
 /// terminal; a pose that is not finite.
 pub fn read(format: &PoseFormat, path: &Path) -> Result<Vec<Frame>> {
     let mut frames = (format.read)(path)?;
+    frames.iter_mut().for_each(|frame| frame.name = plain(&frame.name));
     frames.sort_by(|a, b| a.name.cmp(&b.name));
     match fault(&frames) {
         Some(found) => Err(Error::malformed(path, found)),
         None => Ok(frames),
     }
+}
+
+/// A name with `/` between folders, as programs on Windows do not write it, and without a `./` before it.
+fn plain(name: &str) -> String {
+    let mut name = &*name.replace('\\', "/");
+    while let Some(rest) = name.strip_prefix("./") {
+        name = rest;
+    }
+    name.to_owned()
 }
 
 /// What is wrong with frames that are sorted by name.
@@ -46,7 +56,7 @@ fn fault(frames: &[Frame]) -> Option<String> {
 /// Whether a name stays below the folder that it is joined to, and can be shown.
 fn is_below(name: &str) -> bool {
     let leads_out = |part: &str| part.is_empty() || part == "." || part == "..";
-    let plain = name.len() <= LONGEST && !name.contains(|c: char| c == '\\' || c.is_control());
+    let plain = name.len() <= LONGEST && !name.contains(char::is_control);
     plain && !name.split('/').any(leads_out)
 }
 
@@ -95,13 +105,16 @@ mod tests {
     fn a_format_of_ones_own_gives_frames_by_name() {
         let found = read_names("b.jpg\nflight 2/ä.jpg\na.jpg").unwrap();
         assert_eq!(found, [("a.jpg".to_owned(), 2.0), ("b.jpg".to_owned(), 0.0), ("flight 2/ä.jpg".to_owned(), 1.0)]);
+        let found = read_names("cam1\\b.jpg\n././a.jpg").unwrap();
+        assert_eq!(found, [("a.jpg".to_owned(), 1.0), ("cam1/b.jpg".to_owned(), 0.0)]);
+        assert!(read_names("..\\a.jpg").unwrap_err().contains("below the image folder"));
     }
 
     #[test]
     fn no_format_gives_a_name_that_leads_out_or_comes_twice_or_a_pose_that_is_none() {
-        for name in ["", "/etc/a.jpg", "../a.jpg", "a/../../b.jpg", "./a.jpg", "a//b.jpg", "a/", "a\\b.jpg", "a\0b"] {
+        for name in ["", "/etc/a.jpg", "../a.jpg", "a/../../b.jpg", ".//a.jpg", "a//b.jpg", "a/", "a/./b.jpg", "a\0b"] {
             let why = read_names(&format!("x.jpg\n{name}")).unwrap_err();
-            assert!(why.contains("below the image folder") && why.contains(&format!("{name:?}")), "{why}");
+            assert!(why.contains("below the image folder") && why.contains(&format!("{:?}", plain(name))), "{why}");
         }
         for name in ["\u{1b}[2Ja.jpg", "a\rb.jpg", &"a".repeat(LONGEST + 1)] {
             let why = read_names(&format!("x.jpg\n{name}")).unwrap_err();

@@ -6,7 +6,7 @@ use crate::base::input::Input;
 use crate::base::key::Key;
 use crate::base::patience::Patience;
 use crate::base::{Error, Result};
-use crate::codec::images;
+use crate::codec::images::mask_path;
 use crate::disk::Recipe;
 use crate::phases::cause::FrameInput;
 use crate::pipeline::Pipeline;
@@ -63,12 +63,13 @@ pub(super) fn with_contents(recipe: Recipe, frame: &Frame, contents: &Contents) 
 pub(super) fn contents(pipeline: &Pipeline, frame: &Frame, patience: &Patience) -> Contents {
     let key = |path: &Path| Input::open(path).and_then(|mut file| file.key()).map_err(Error::io("read", path));
     let content = |key: Result<Key>| key.map_or(Content::NotRead, Content::Bytes);
-    let image = content(patience.with(|| key(&pipeline.scene.images.join(&frame.name))));
+    let images = &pipeline.scene.images;
+    let image = content(patience.with(|| key(&images.join(&frame.name))));
     if image == Content::NotRead {
         return Contents::without(image);
     }
     let masks = pipeline.scene.masks.as_deref();
-    let path = masks.and_then(|masks| images::mask_path(masks, &frame.name).transpose());
+    let path = masks.and_then(|masks| mask_path(masks, images, &frame.name).transpose());
     let mask = path.map(|path| content(path.and_then(|path| patience.with(|| key(&path)))));
     Contents { image, mask }
 }

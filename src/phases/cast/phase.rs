@@ -9,6 +9,7 @@ use super::groups::Group;
 use super::share::{CastNeeds, CastShare};
 use crate::base::convert::Cut;
 use crate::base::ids::FrameId;
+use crate::base::shown::quoted;
 use crate::base::{Error, PhaseName, Result};
 use crate::disk::{Damage, FileEntry, Ledger, Recipe, Rotten, Store};
 use crate::flow::{Flow, pool};
@@ -109,7 +110,7 @@ impl Phase for Cast {
         let rows = budget.reserve("gather", share.gather)?;
         let scene = &surveyed.scene;
         let bvh = scene.bvh();
-        let replay = format!("gonio buffers {} --out frame.exr", pipeline.file.display());
+        let replay = format!("gonio buffers {} --out frame.exr", quoted(&pipeline.file.to_string_lossy()));
         let decode = scene.decode(pipeline, &replay);
         let (tile, downscale) = (pipeline.cast.tile, pipeline.decode.downscale);
         let cast = cast::Cast { frames: &scene.frames, mesh: &scene.mesh, bvh: &bvh, tile, downscale, piece };
@@ -147,7 +148,10 @@ impl Phase for Cast {
             }
             report.observations += tally.observations;
             report.records += tally.records;
-            frames.skipped += tally.skipped.len() as u64;
+            let skipped = tally.skipped.len() as u64;
+            frames.skipped += skipped;
+            let counted = if done.contains(unit) { &mut frames.cast } else { &mut frames.resumed };
+            *counted = counted.saturating_sub(skipped);
             report.segment_bytes += files.iter().filter(|f| f.name.ends_with(SEGMENT)).map(|f| f.bytes).sum::<u64>();
             report.skipped.extend(tally.skipped);
         }

@@ -93,7 +93,7 @@ fn each_block(config: &CityConfig, take: &mut dyn FnMut(&Surface) -> Result<()>)
 /// Adds a block's vertices and triangles; `first` vertices come before the block's.
 fn tell(block: &Surface, first: u32, to: &mut impl Polygons) {
     block.vertices.iter().for_each(|&at| to.vertex(at));
-    block.triangles.iter().for_each(|corners| to.triangle(corners.map(|i| i + first)));
+    block.triangles.iter().for_each(|corners| to.polygon(&corners.map(|i| i + first)));
 }
 
 /// The light that a city stands in, as if every triangle saw the whole sky.

@@ -16,7 +16,7 @@ fn read(folder: &Path, name: &str, bytes: &[u8]) -> Result<Vec<[f32; 3]>, String
 }
 
 /// A chunk of a PNG.
-fn chunk(kind: &[u8; 4], data: &[u8]) -> Vec<u8> {
+pub(super) fn chunk(kind: &[u8; 4], data: &[u8]) -> Vec<u8> {
     let named = [kind, data].concat();
     let (length, sum) = ((data.len() as u32).to_be_bytes(), crc32fast::hash(&named).to_be_bytes());
     [&length[..], &named, &sum].concat()

@@ -1,6 +1,7 @@
 //! Pictures of every format, whole and damaged.
 
 mod damage;
+mod layers;
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -84,16 +85,18 @@ fn pictures_are_masked_where_alpha_is_0() {
         let picture: DynamicImage = picture;
         let (_folder, path) = saved(name, &picture);
         assert_eq!(size(&path).unwrap(), sized(6, 4));
-        let read = read_picture(&path, sized(6, 4), &linear(), PLENTY).unwrap();
+        let read = read_image(&path, sized(6, 4), &linear(), PLENTY).unwrap();
         for at in 0..24 {
             assert_eq!(read.pixel(at).is_none(), at % 6 == 0, "{name} pixel {at}");
         }
         assert!((rgb(&read, 1)[2] - 0.5).abs() < 2e-3, "{name}");
-        // A photograph's alpha means nothing.
-        assert!(read_image(&path, sized(6, 4), &linear(), PLENTY).unwrap().pixel(0).is_some(), "{name}");
+        // A mask file takes away from what is there.
+        let masked = read.clone().masked(Some((0..24).map(|at| u8::from(at % 6 != 3)).collect()));
+        (0..24).for_each(|at| assert_eq!(masked.pixel(at).is_none(), at % 6 == 0 || at % 6 == 3, "{name} pixel {at}"));
+        assert_eq!(read.clone().masked(None).mask, read.mask);
     }
     let (_folder, path) = saved("e.png", &gradient().into());
-    assert!(read_picture(&path, sized(6, 4), &linear(), PLENTY).unwrap().mask.is_none());
+    assert!(read_image(&path, sized(6, 4), &linear(), PLENTY).unwrap().mask.is_none());
 }
 
 #[test]
@@ -114,6 +117,10 @@ fn another_size_is_refused_before_it_is_decoded() {
     for size in [sized(6, 5), sized(5, 4), sized(3, 2), sized(60, 40)] {
         let error = read_image(&path, size, &linear(), PLENTY).unwrap_err().to_string();
         assert!(error.contains("a.png") && error.contains(&size.to_string()), "{error}");
+    }
+    for (camera, hint) in [((4, 6), "been turned"), ((13, 8), "2 times smaller each way"), ((3, 2), "2 times larger")] {
+        let error = read_image(&path, sized(camera.0, camera.1), &linear(), PLENTY).unwrap_err().to_string();
+        assert!(error.contains("6 x 4 pixels") && error.contains(hint), "{error}");
     }
 }
 
@@ -166,7 +173,9 @@ fn a_header_that_claims_more_than_the_camera_has_allocates_nothing() {
 }
 
 fn read_mask(folder: &Path, name: &str, size: Size) -> crate::base::Result<Option<Vec<u8>>> {
-    mask_path(folder, name)?.map(|path| Encoded::read(&path, PLENTY)?.mask(size, PLENTY)).transpose()
+    mask_path(folder, Path::new("images"), name)?
+        .map(|path| Encoded::read(&path, PLENTY)?.mask(size, PLENTY))
+        .transpose()
 }
 
 #[test]
@@ -229,20 +238,67 @@ fn the_need_of_an_exr_counts_its_blocks_and_the_tables_of_piz() {
 }
 
 #[test]
-fn masks_are_found_by_either_name_and_ignore_what_is_zero() {
+fn masks_are_found_by_the_names_that_programs_give_them() {
     let folder = tempfile::tempdir().unwrap();
     let mask = image::GrayImage::from_fn(6, 4, |x, _| image::Luma([if x == 2 { 0 } else { 7 }]));
     assert_eq!(read_mask(folder.path(), "one.jpg", sized(6, 4)).unwrap(), None);
-    for (name, file) in [("one.jpg", "one.jpg.png"), ("two.jpg", "two.png")] {
-        mask.save_with_format(folder.path().join(file), ImageFormat::Png).unwrap();
+    let names = ["one.jpg.png", "two.png", "a_mask.png", "b.mask.png", "c.jpg.mask.PNG", "d.PNG", "e.tif", "a.b.png"];
+    for (at, file) in names.into_iter().enumerate() {
+        let name = ["one.jpg", "two.jpg", "a.jpg", "b.jpg", "c.jpg", "d.jpg", "e.jpg", "a.b.jpg"][at];
+        let format = if file.ends_with("tif") { ImageFormat::Tiff } else { ImageFormat::Png };
+        mask.save_with_format(folder.path().join(file), format).unwrap();
         let read = read_mask(folder.path(), name, sized(6, 4)).unwrap().unwrap();
-        assert_eq!((read[2], read[3]), (0, 7));
+        assert_eq!((read[2], read[3]), (0, 7), "{file}");
         assert!(read_mask(folder.path(), name, sized(4, 6)).is_err());
     }
-    let (_keep, path) = saved("p.png", &gradient().into());
-    let mut image = read_image(&path, sized(6, 4), &linear(), PLENTY).unwrap();
-    image.mask = read_mask(folder.path(), "one.jpg", sized(6, 4)).unwrap();
-    assert!(image.pixel(2).is_none() && image.pixel(3).is_some());
+    // A photograph in the folder of masks is no mask.
+    assert_eq!(mask_path(folder.path(), folder.path(), "two.png").unwrap(), None);
+}
+
+#[test]
+fn a_mask_ignores_what_is_0_in_all_colours_or_clear() {
+    use image::{GrayImage, ImageBuffer, Luma, LumaA};
+    let folder = tempfile::tempdir().unwrap();
+    // The first column is ignored.
+    let masks: [DynamicImage; 7] = [
+        GrayImage::from_fn(6, 4, |x, _| Luma([x as u8])).into(),
+        ImageBuffer::from_fn(6, 4, |x, _| Luma([x as u16])).into(),
+        RgbImage::from_fn(6, 4, |x, _| Rgb([0, 0, x as u8])).into(),
+        ImageBuffer::from_fn(6, 4, |x, _| Rgb([x as u16, 0, 0])).into(),
+        image::RgbaImage::from_fn(6, 4, |x, _| Rgba([255, 255, 255, x as u8])).into(),
+        ImageBuffer::from_fn(6, 4, |x, _| LumaA([65_535, x as u16])).into(),
+        ImageBuffer::from_fn(6, 4, |x, _| Rgba([x as u16, 0, 0, 65_535])).into(),
+    ];
+    for mask in masks {
+        mask.save(folder.path().join("a.png")).unwrap();
+        let read = read_mask(folder.path(), "a.jpg", sized(6, 4)).unwrap().unwrap();
+        (0..24).for_each(|at| assert_eq!(read[at] == 0, at % 6 == 0, "{:?} pixel {at}", mask.color()));
+    }
+}
+
+#[test]
+fn a_png_with_megabytes_of_text_is_read() {
+    let (_folder, path) = saved("a.png", &gradient().into());
+    let whole = fs::read(&path).unwrap();
+    let text = damage::chunk(b"tEXt", &[b"a\0".to_vec(), vec![b'b'; 9 << 20]].concat());
+    fs::write(&path, [&whole[..33], &text, &whole[33..]].concat()).unwrap();
+    assert_eq!(rgb(&read_image(&path, sized(6, 4), &linear(), PLENTY).unwrap(), 2)[0], 80.0 / 255.0);
+    assert!(need(&path, sized(6, 4)).unwrap().peak < 16 << 20);
+}
+
+#[test]
+fn a_big_tiff_is_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.tif");
+    let bytes = gradient();
+    let mut encoder = ::tiff::encoder::TiffEncoder::new_big(fs::File::create(&path).unwrap()).unwrap();
+    encoder.write_image::<::tiff::encoder::colortype::RGB8>(6, 4, &bytes).unwrap();
+    assert_eq!(rgb(&read_image(&path, sized(6, 4), &linear(), PLENTY).unwrap(), 2)[0], 80.0 / 255.0);
+    let whole = fs::read(&path).unwrap();
+    for length in 0..whole.len() {
+        fs::write(&path, &whole[..length]).unwrap();
+        assert!(read_image(&path, sized(6, 4), &linear(), PLENTY).is_err(), "{length}");
+    }
 }
 
 #[test]

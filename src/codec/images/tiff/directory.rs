@@ -5,12 +5,19 @@
 //! header      "II" or "MM", the order of the bytes; 42 u16; position of the directory u32
 //! directory   entries u16; each tag u16, type u16, values u32, and 4 bytes: the values or their position
 //! ```
+//!
+//! BigTIFF has the same with wider numbers (Aware Systems, the BigTIFF design, 2007):
+//!
+//! ```text
+//! header      "II" or "MM"; 43 u16; 8 u16; 0 u16; position of the directory u64
+//! directory   entries u64; each tag u16, type u16, values u64, and 8 bytes
+//! ```
 
 use std::io::{self, Read, Seek, SeekFrom};
 
 /// The most values of an entry: an image of 65,535 rows has as many strips. Entries that are not needed to decode the
 /// image, such as profiles, may have more.
-const MOST: u32 = 1 << 16;
+const MOST: u64 = 1 << 16;
 
 /// Tags from here on are not needed to decode the image.
 const OPTIONAL: u16 = 700;
@@ -22,20 +29,46 @@ const OPTIONAL: u16 = 700;
 /// values than any image needs.
 pub(in crate::codec::images) fn check(file: &mut (impl Read + Seek)) -> io::Result<()> {
     file.rewind()?;
-    let header: [u8; 8] = bytes(file)?;
-    let big_endian = header[0] == b'M';
+    let start: [u8; 4] = bytes(file)?;
+    let (big_endian, wide) = (start[0] == b'M', is_big(&start));
     let short = |b: [u8; 2]| if big_endian { u16::from_be_bytes(b) } else { u16::from_le_bytes(b) };
     let long = |b: [u8; 4]| if big_endian { u32::from_be_bytes(b) } else { u32::from_le_bytes(b) };
-    file.seek(SeekFrom::Start(long([header[4], header[5], header[6], header[7]]).into()))?;
-    for _ in 0..short(bytes(file)?) {
-        let [t0, t1, _, _, n0, n1, n2, n3, ..]: [u8; 12] = bytes(file)?;
-        let (tag, values) = (short([t0, t1]), long([n0, n1, n2, n3]));
+    let longer = |b: [u8; 8]| if big_endian { u64::from_be_bytes(b) } else { u64::from_le_bytes(b) };
+    let entries = if wide {
+        let _: [u8; 4] = bytes(file)?;
+        let at = longer(bytes(file)?);
+        file.seek(SeekFrom::Start(at))?;
+        longer(bytes(file)?)
+    } else {
+        let at = long(bytes(file)?);
+        file.seek(SeekFrom::Start(at.into()))?;
+        short(bytes(file)?).into()
+    };
+    if entries > u64::from(u16::MAX) {
+        return Err(invalid(format!("its directory claims {entries} entries; {} are the most", u16::MAX)));
+    }
+    for _ in 0..entries {
+        let tag = short(bytes(file)?);
+        let _: [u8; 2] = bytes(file)?;
+        let values = if wide { longer(bytes(file)?) } else { long(bytes(file)?).into() };
+        file.seek_relative(if wide { 8 } else { 4 })?;
         if values > MOST && tag < OPTIONAL {
-            let words = format!("its tag {tag} claims {values} values; {MOST} are the most");
-            return Err(io::Error::new(io::ErrorKind::InvalidData, words));
+            return Err(invalid(format!("its tag {tag} claims {values} values; {MOST} are the most")));
         }
     }
+    // The last entry must be whole.
+    file.seek_relative(-1)?;
+    let _: [u8; 1] = bytes(file)?;
     file.rewind()
+}
+
+/// Whether a file begins as a BigTIFF does.
+pub(in crate::codec::images) fn is_big(start: &[u8]) -> bool {
+    start.starts_with(b"II+\0") || start.starts_with(b"MM\0+")
+}
+
+fn invalid(words: String) -> io::Error {
+    io::Error::new(io::ErrorKind::InvalidData, words)
 }
 
 fn bytes<const N: usize>(file: &mut impl Read) -> io::Result<[u8; N]> {

@@ -8,5 +8,5 @@ mod parts;
 #[cfg(test)]
 mod tests;
 
-pub(super) use directory::check;
+pub(super) use directory::{check, is_big};
 pub(super) use parts::check_parts;

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use super::faces::{MOST, fan, too_many};
+use super::faces::{self, MOST, too_many};
 use super::header::{Element, Header, Kind};
 use crate::base::{Error, Result};
 use crate::scene::survey::Polygons;
@@ -17,7 +17,7 @@ const LONGEST: usize = 512;
 pub(super) fn read(header: &Header, reader: impl BufRead, path: &Path, to: &mut dyn Polygons) -> Result<()> {
     let mut words = Words { reader, word: Vec::new(), path };
     let vertices = header.vertex().count;
-    let mut corners = Vec::new();
+    let (mut corners, mut named) = (Vec::new(), Vec::new());
     for element in &header.elements {
         let (xyz, indices) = match element.name.as_str() {
             "vertex" => (element.xyz(), None),
@@ -47,7 +47,8 @@ pub(super) fn read(header: &Header, reader: impl BufRead, path: &Path, to: &mut 
                             }
                         }
                         if indices == Some(at) {
-                            fan(vertices, row, &corners, to).map_err(|found| Error::malformed(path, found))?;
+                            faces::tell(vertices, row, &corners, &mut named, to)
+                                .map_err(|found| Error::malformed(path, found))?;
                         }
                     }
                 }

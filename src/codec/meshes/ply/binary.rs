@@ -5,7 +5,7 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use super::faces::{MOST, fan, too_many};
+use super::faces::{self, MOST, too_many};
 use super::header::{Element, Header, Kind, Property};
 use super::scalar::{Endian, Scalar};
 use crate::base::convert::to_usize;
@@ -117,7 +117,7 @@ fn read_faces<R: Read>(
     let Some(indices) = element.indices() else { return Ok(()) };
     let (before, rest) = element.properties.split_at(indices);
     let (Kind::List { length, item }, after) = (rest[0].kind, &rest[1..]) else { return Ok(()) };
-    let mut corners = Vec::new();
+    let (mut corners, mut named) = (Vec::new(), Vec::new());
     for face in 0..element.count {
         before.iter().try_for_each(|p| bytes.skip_property(p, endian, element, face))?;
         let list = bytes.list_bytes(length, item, endian, element, face)?;
@@ -128,7 +128,7 @@ fn read_faces<R: Read>(
         corners.clear();
         let items = bytes.take(list, element, face)?.chunks_exact(item.size());
         item.integers(endian, items, |index| corners.push(index));
-        fan(vertices, face, &corners, to).map_err(|found| Error::malformed(bytes.path, found))?;
+        faces::tell(vertices, face, &corners, &mut named, to).map_err(|found| Error::malformed(bytes.path, found))?;
         after.iter().try_for_each(|p| bytes.skip_property(p, endian, element, face))?;
     }
     Ok(())

@@ -1,4 +1,4 @@
-//! Turns polygons into triangles.
+//! Tells faces, whose lists of corners are held to what there is.
 
 use crate::scene::survey::Polygons;
 
@@ -6,26 +6,31 @@ use crate::scene::survey::Polygons;
 /// gathered.
 pub(super) const MOST: u64 = 1 << 20;
 
-/// Tells the face at position `face` of a file with `vertices` vertices, as a fan around its first corner.
+/// Tells the face at position `face` of a file with `vertices` vertices; `named` holds its corners afterwards.
 ///
 /// # Errors
 /// In words: a face with fewer than three corners, or that refers to a vertex that is not there.
-pub(super) fn fan(vertices: u64, face: u64, corners: &[i128], to: &mut dyn Polygons) -> Result<(), String> {
-    let [first, rest @ ..] = corners else { return Err(too_few(face, 0)) };
-    if rest.len() < 2 {
+pub(super) fn tell(
+    vertices: u64,
+    face: u64,
+    corners: &[i128],
+    named: &mut Vec<u32>,
+    to: &mut dyn Polygons,
+) -> Result<(), String> {
+    if corners.len() < 3 {
         return Err(too_few(face, corners.len()));
     }
-    let index = |found: i128| match u32::try_from(found) {
-        Ok(index) if u64::from(index) < vertices => Ok(index),
-        _ => Err(format!("face {face} refers to vertex {found}, but there are {vertices} vertices, counted from 0")),
-    };
-    let a = index(*first)?;
-    let mut b = index(rest[0])?;
-    for &corner in &rest[1..] {
-        let c = index(corner)?;
-        to.triangle([a, b, c]);
-        b = c;
+    named.clear();
+    for &found in corners {
+        match u32::try_from(found) {
+            Ok(index) if u64::from(index) < vertices => named.push(index),
+            _ => {
+                let words = format!("but there are {vertices} vertices, counted from 0");
+                return Err(format!("face {face} refers to vertex {found}, {words}"));
+            }
+        }
     }
+    to.polygon(named);
     Ok(())
 }
 

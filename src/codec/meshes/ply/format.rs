@@ -13,7 +13,7 @@ use crate::scene::survey::Polygons;
 pub(crate) const PLY: MeshFormat = MeshFormat {
     name: "PLY",
     endings: &["ply"],
-    begins: |start| matches!(start.strip_prefix(b"ply"), Some([b'\n' | b'\r', ..])),
+    begins: |start| matches!(start.strip_prefix(b"ply"), Some([b'\n' | b'\r' | b' ' | b'\t', ..])),
     tell,
 };
 

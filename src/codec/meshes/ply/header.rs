@@ -84,8 +84,9 @@ impl Header {
 
     /// Reads the header of a file of `length` bytes, `end_header` included.
     pub(super) fn read(reader: &mut impl BufRead, length: u64, path: &Path) -> Result<Header> {
-        let mut text = Text { reader: reader.take(LONGEST.min(length)), path, number: 0, bytes: 0 };
-        if text.line()?.as_deref() != Some("ply") {
+        let mut text = Text { reader: reader.take(LONGEST.min(length)), path, number: 0, bytes: 0, end: b'\n' };
+        text.find_end()?;
+        if text.line()?.as_deref().map(str::trim_end) != Some("ply") {
             return Err(Error::malformed(path, "does not begin with the line \"ply\": this is no PLY file"));
         }
         let mut encoding = None;
@@ -182,16 +183,28 @@ struct Text<'a, R> {
     path: &'a Path,
     number: u64,
     bytes: u64,
+    /// The last byte of every line.
+    end: u8,
 }
 
 impl<R: BufRead> Text<'_, R> {
-    /// The next line without its end, `\n` or `\r\n`; `None` at the end of the file or of the longest header.
+    /// Finds how lines end: in `\n`, `\r\n`, or `\r` alone as the format's first description has it.
+    fn find_end(&mut self) -> Result<()> {
+        let start = self.reader.fill_buf().map_err(Error::io("read", self.path))?;
+        let first = start.iter().position(|byte| matches!(byte, b'\n' | b'\r'));
+        if first.is_some_and(|at| start[at] == b'\r' && start.get(at + 1).is_some_and(|&next| next != b'\n')) {
+            self.end = b'\r';
+        }
+        Ok(())
+    }
+
+    /// The next line without its end; `None` at the end of the file or of the longest header.
     fn line(&mut self) -> Result<Option<String>> {
         let mut line = Vec::new();
-        let bytes = self.reader.read_until(b'\n', &mut line).map_err(Error::io("read", self.path))?;
+        let bytes = self.reader.read_until(self.end, &mut line).map_err(Error::io("read", self.path))?;
         self.bytes += bytes as u64;
         self.number += 1;
-        if line.pop() != Some(b'\n') {
+        if line.pop() != Some(self.end) {
             return Ok(None);
         }
         Ok(Some(String::from_utf8_lossy(&line).trim_end_matches('\r').to_owned()))

@@ -19,7 +19,8 @@ use crate::scene::frame::Frame;
 /// The most bytes of a line: a million 2D points.
 const LONGEST_LINE: u64 = 64 << 20;
 
-/// Gives each line that says something to `line`, which answers whether to skip the line after it.
+/// Gives each line that says something to `line`, which answers whether the line after it is a list of 2D points. A byte-order mark
+/// before the first is passed over.
 fn each_line(path: &Path, mut line: impl FnMut(&str) -> Result<bool, String>) -> Result<()> {
     let mut file = BufReader::new(Input::open(path).map_err(Error::io("open", path))?);
     let (mut bytes, mut skip) = (Vec::new(), false);
@@ -33,15 +34,29 @@ fn each_line(path: &Path, mut line: impl FnMut(&str) -> Result<bool, String>) ->
         if bytes.len() as u64 == LONGEST_LINE {
             return Err(fault("it is longer than 64 MiB".to_owned()));
         }
+        let text = std::str::from_utf8(&bytes).map_err(|_| fault("it is not UTF-8".to_owned()))?;
+        let text = text.trim_start_matches('\u{feff}').trim();
         if std::mem::take(&mut skip) {
+            if !is_points(text) {
+                let rule = "each image has two lines, of which the second, with points or empty, is missing here";
+                return Err(fault(format!("it is no list of 2D points (x y id): {rule}")));
+            }
             continue;
         }
-        let text = std::str::from_utf8(&bytes).map_err(|_| fault("it is not UTF-8".to_owned()))?.trim();
         if !text.is_empty() && !text.starts_with('#') {
             skip = line(text).map_err(fault)?;
         }
     }
     file.get_ref().check_unchanged().map_err(Error::io("read", path))
+}
+
+/// Whether a line may be a list of 2D points: threes of numbers, of which the last is whole.
+fn is_points(line: &str) -> bool {
+    let mut words = line.split_ascii_whitespace();
+    let first = words.next().is_none_or(|word| word.parse::<f64>().is_ok());
+    let last = words.next_back().is_none_or(|word| word.parse::<i64>().is_ok());
+    // A short line may be of the other kind; a long one is none.
+    first && last && (line.is_empty() || line.split_ascii_whitespace().count().is_multiple_of(3))
 }
 
 /// Takes the next word of a line as a number.
