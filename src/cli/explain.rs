@@ -59,6 +59,7 @@ pub(super) fn words(cause: &Cause) -> String {
                 FrameInput::Image => "image",
                 FrameInput::Mask => "mask",
                 FrameInput::Pose => "pose",
+                FrameInput::Gain => "gain",
             };
             match change {
                 FrameChange::Came => format!("{frame} has a {input} now"),
