@@ -81,8 +81,8 @@ pub use cli::{Allocator, Ending, main, prepare_process};
 pub use config::{Position, Problem, Problems};
 pub use flow::StopSignal;
 pub use phases::{
-    Cause, FrameChange, FrameCounts, FrameInput, LightReport, PhaseProgress, PhaseReport, Progress, Report, ShardCounts,
-    StageReport, State, TriangleCounts, UnitCount, time_left,
+    Cause, FrameChange, FrameCounts, FrameInput, LightReport, PhaseProgress, PhaseReport, Progress, Report,
+    ShardCounts, StageReport, State, TriangleCounts, UnitCount, time_left,
 };
 pub use pipeline::{Pipeline, load, template};
 pub use run::{Explanation, Foreseen, PhaseExplanation, Plan, PlannedPhase, explain, find_light, plan, run};

@@ -74,7 +74,8 @@ fn judged(pipeline: &Pipeline, finished: &Finished, truth: &[Material], frames: 
     // What is not to be compared is no number in the pictures of the truth.
     let nothing = Material::from([f32::NAN; Material::LEN]);
     let compared: Vec<Material> = truth.iter().zip(&seen).map(|(m, seen)| if *seen { *m } else { nothing }).collect();
-    let lights = lights(pipeline, finished.light, sky_visibility(mesh, &bvh, up(pipeline), SKY_RAYS, 0..mesh.len()).into())?;
+    let lights =
+        lights(pipeline, finished.light, sky_visibility(mesh, &bvh, up(pipeline), SKY_RAYS, 0..mesh.len()).into())?;
     let mut sums = vec![vec![PixelErrors::default(); lights.len()]; estimates.len()];
     let count = frames.clamp(1, scene.frames.len());
     for posed in (0..count).map(|i| &scene.frames[i * scene.frames.len() / count]) {

@@ -108,7 +108,10 @@ mod tests {
     #[test]
     fn an_unknown_phase_is_refused_with_the_known_ones() {
         let why = "bake".parse::<PhaseName>().unwrap_err();
-        assert_eq!(why, "\"bake\" is not a phase: the phases are synth, load, build, look, light, cast, infer, merge, export");
+        assert_eq!(
+            why,
+            "\"bake\" is not a phase: the phases are synth, load, build, look, light, cast, infer, merge, export"
+        );
         assert!("Cast".parse::<PhaseName>().is_err() && "".parse::<PhaseName>().is_err());
         assert!(serde_json::from_str::<PhaseName>("\"bake\"").is_err());
     }

@@ -61,7 +61,7 @@ pub(super) fn rows(lines: &mut Lines, report: &Report) {
     }
     if *gains > 0 || !untied.is_empty() {
         let [low, high] = gain_range;
-        let left = if untied.is_empty() { String::new() } else { format!("; not told: {}", untied.join(", ")) };
+        let left = if untied.is_empty() { String::new() } else { format!("; {} not told", untied.len()) };
         lines.row("exposure", format!("gains {low:.2} to {high:.2} of {gains} frames{left}"));
     }
 }

@@ -135,7 +135,7 @@ mod tests {
     sun            [0.6000, 0.0000, 0.8000] within 0.8 degrees, turned 1.50
     light          sun 0.900 0.850 0.800, sky 0.100 0.125 0.250; white 1.00
                    shadows say so
-    exposure       gains 0.75 to 1.25 of 59 frames; not told: dark.jpg
+    exposure       gains 0.75 to 1.25 of 59 frames; 1 not told
     estimator      gonio-lobe-small on rten 0.27.0
     memory         1.5 GiB lent at most
     time           1:15

@@ -75,5 +75,15 @@ pub(crate) struct Found {
 /// Finds the light.
 pub(crate) fn find(_: &Scene<'_>, _: &[TriangleId], _: &[Sighting], _: &Gains, _: Settings) -> Found {
     let (color, sky, spread) = ([1.0; 3], [0.2; 3], Spread::default());
-    Found { sun: None, color, sky, spread, turned: 0.0, white: 1.0, decided: Decision::NoSun, words: String::new(), dome: Vec::new() }
+    Found {
+        sun: None,
+        color,
+        sky,
+        spread,
+        turned: 0.0,
+        white: 1.0,
+        decided: Decision::NoSun,
+        words: String::new(),
+        dome: Vec::new(),
+    }
 }

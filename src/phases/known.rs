@@ -9,10 +9,10 @@ use super::infer::{TriedEstimator, load_estimator};
 use super::light::FrozenLight;
 use super::scene::{LoadedScene, Meshes};
 use crate::base::{Error, Result, memory};
+use crate::config::Choice;
 use crate::disk::{Ledger, Store};
 use crate::flow::pool;
 use crate::model::Estimator;
-use crate::config::Choice;
 use crate::pipeline::Pipeline;
 use crate::stages::light::{Mode, SunAndSky};
 

@@ -41,7 +41,8 @@ impl Phase for Load {
         }
         if let Some(damage) = surveyed.light.damage() {
             let (page, why, kept) = (&damage.page, &damage.why, damage.kept.join(", "));
-            run.progress.note(format!("what was found of the light is found over from {page} on, which is now {kept}: {why}"));
+            run.progress
+                .note(format!("what was found of the light is found over from {page} on, which is now {kept}: {why}"));
         }
         Ok(())
     }

@@ -37,7 +37,8 @@ pub fn find_light(pipeline: &Pipeline, again: bool, stop: &StopSignal, progress:
     if again {
         end_light(&store)?;
     }
-    let to_light: Vec<&dyn Phase> = PHASES.iter().copied().take_while(|phase| phase.name() <= PhaseName::Light).collect();
+    let to_light: Vec<&dyn Phase> =
+        PHASES.iter().copied().take_while(|phase| phase.name() <= PhaseName::Light).collect();
     run_phases(&to_light, store, pipeline, stop, progress)
 }
 

@@ -116,7 +116,11 @@ impl Cast<'_> {
                 let Some((triangle, axes)) = last else { continue };
                 let towards = axes.to_local(-direction);
                 if towards.z > 0.0 {
-                    rows.observe(triangle, bin_of(towards), BinSum::one(pixel.rgb.map(|value| value / gain), pixel.clipped));
+                    rows.observe(
+                        triangle,
+                        bin_of(towards),
+                        BinSum::one(pixel.rgb.map(|value| value / gain), pixel.clipped),
+                    );
                     observations += 1;
                 }
             }

@@ -191,8 +191,7 @@ mod tests {
         let beside = floor.map(|p| p + DVec3::X * 9.0);
         let mesh = Mesh::new(&[floor, roof, beside].concat(), vec![[0, 1, 2], [3, 4, 5], [6, 7, 8]]).unwrap();
         let bvh = Bvh::build(&mesh);
-        let config =
-            Config { mode: Mode::Known, sun: [0.0, 0.0, 3.0], color: [1.0; 3], sky: [0.5; 3], white: None };
+        let config = Config { mode: Mode::Known, sun: [0.0, 0.0, 3.0], color: [1.0; 3], sky: [0.5; 3], white: None };
         let light = SceneLight::new(config.known().unwrap(), &mesh, &bvh, [0.0, 0.0, 1.0]);
         let [under, roof, open] = [0, 1, 2].map(|t| light.local(TriangleId(t)));
         assert_eq!((under.sun, roof.sun, open.sun), (Vec3::ZERO, Vec3::ONE, Vec3::ONE));

@@ -106,13 +106,7 @@ impl FrameGroups {
     }
 
     /// Gives the units of looking the recipes that they have now.
-    fn look(
-        &mut self,
-        pipeline: &Pipeline,
-        ledger: &Ledger,
-        scene: &LoadedScene,
-        light: &FrozenLight,
-    ) -> Result<()> {
+    fn look(&mut self, pipeline: &Pipeline, ledger: &Ledger, scene: &LoadedScene, light: &FrozenLight) -> Result<()> {
         let recipe = Recipe::new(PhaseName::Look, "")
             .with("scene.mesh", scene.mesh_key)
             .with(FORMAT, look::VERSION)

@@ -130,7 +130,10 @@ mod tests {
         let axes = [Vec3::X, Vec3::Y, Vec3::Z];
         assert_eq!(lifted(Vec2::ZERO, axes), Some(Vec3::Z));
         assert!(lifted(Vec2::X, axes).is_some_and(|at| at.distance(Vec3::X) < 1e-6));
-        assert!(lifted(Vec2::NEG_Y * 0.5, axes).is_some_and(|at| at.distance(Vec3::new(0.0, 0.5, 0.5) * 2f32.sqrt()) < 1e-6));
+        assert!(
+            lifted(Vec2::NEG_Y * 0.5, axes)
+                .is_some_and(|at| at.distance(Vec3::new(0.0, 0.5, 0.5) * 2f32.sqrt()) < 1e-6)
+        );
         assert_eq!(lifted(Vec2::ONE, axes), None);
     }
 }

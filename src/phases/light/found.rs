@@ -140,7 +140,9 @@ impl FoundLight {
                 if apart <= allowed || apart.is_nan() {
                     return None;
                 }
-                format!("the photographs that are there now put the sun {apart:.1} degrees from where it was found before")
+                format!(
+                    "the photographs that are there now put the sun {apart:.1} degrees from where it was found before"
+                )
             }
         };
         Some(Moved { words, sun: now.sun })

@@ -13,8 +13,8 @@ use crate::base::ids::TriangleId;
 use crate::base::key::{Key, KeyBuilder};
 use crate::base::{Error, Result};
 use crate::config::Effect;
-use crate::disk::frozen::{self, Damage};
 use crate::disk::Store;
+use crate::disk::frozen::{self, Damage};
 use crate::phases::report::LightReport;
 use crate::pipeline::Pipeline;
 
@@ -185,7 +185,11 @@ impl FrozenLight {
     /// What stands in recipes for the triangles that are looked at.
     pub(crate) fn sample_key(&self) -> String {
         let Some(sample) = &self.state.sample else { return "not chosen".to_owned() };
-        sample.iter().fold(KeyBuilder::new("gonio sample 1"), |key, t| key.field(&t.0.to_le_bytes())).finish().to_string()
+        sample
+            .iter()
+            .fold(KeyBuilder::new("gonio sample 1"), |key, t| key.field(&t.0.to_le_bytes()))
+            .finish()
+            .to_string()
     }
 
     /// What stands in a recipe for all that is known of these sightings.
@@ -228,7 +232,8 @@ impl FrozenLight {
 
     /// Adds an entry as it will be read again, to the last digit.
     fn add(&mut self, entry: Entry) -> Result<()> {
-        let failed = |why: serde_json::Error| Error::invalid(format!("what was found of the light cannot be kept: {why}"));
+        let failed =
+            |why: serde_json::Error| Error::invalid(format!("what was found of the light cannot be kept: {why}"));
         let written = serde_json::to_vec(&entry).map_err(failed)?;
         self.list.add(vec![serde_json::from_slice(&written).map_err(failed)?])?;
         self.state = self.sum_up();

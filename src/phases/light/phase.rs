@@ -31,6 +31,9 @@ const MOST: u64 = 2_000_000;
 const FINDING: u64 = 24 << 20;
 const SECONDS: f64 = 3.0;
 
+/// Frames that are named where their exposure cannot be told; `light.json` names all.
+const NAMED: usize = 5;
+
 /// The bytes on disk of what is found, for each frame and beside.
 const EACH: u64 = 64;
 const BESIDE: u64 = 1 << 18;
@@ -110,8 +113,9 @@ impl Phase for Light {
             run.progress.note(format!("no sun was found ({words}): materials come from the reflectance maps alone"));
         }
         if !told.untied.is_empty() && !done.is_empty() {
-            let names = told.untied.join(", ");
-            run.progress.note(format!("the exposure of {names} cannot be told: nothing that others see is seen there"));
+            let (few, more) = (told.untied.iter().take(NAMED).cloned().collect::<Vec<_>>().join(", "), told.untied.len());
+            let more = if more > NAMED { format!(" and {} more", more - NAMED) } else { String::new() };
+            run.progress.note(format!("the exposure of {few}{more} is taken as it is: too little is seen that others see"));
         }
         run.report.light = Some(told);
         run.known.needs_light()

@@ -6,8 +6,8 @@ use glam::{DVec3, Vec3};
 
 use super::found::{FoundLight, Gain, Looked};
 use super::frozen::State;
-use crate::base::key::Key;
 use crate::base::ids::TriangleId;
+use crate::base::key::Key;
 use crate::light::{self, Gains, Settings, Sighting};
 use crate::phases::scene::LoadedScene;
 use crate::pipeline::Pipeline;

@@ -1,7 +1,7 @@
 //! All that the frames saw of the sample.
 
-use crate::base::ids::FrameId;
 use crate::base::Result;
+use crate::base::ids::FrameId;
 use crate::disk::{Ledger, Store};
 use crate::light::Sighting;
 use crate::phases::cast::image_in;

@@ -144,7 +144,9 @@ fn settings_are_the_keys() {
     let settings: BTreeSet<String> = pipeline.all_settings().into_iter().map(|setting| setting.key).collect();
     assert_eq!(settings, all_keys());
     // Whatever an effect asks for is there once.
-    for effect in [Effect::Look, Effect::Cast, Effect::Infer, Effect::Light, Effect::Merge, Effect::Axes, Effect::Formats] {
+    for effect in
+        [Effect::Look, Effect::Cast, Effect::Infer, Effect::Light, Effect::Merge, Effect::Axes, Effect::Formats]
+    {
         let mut counts = BTreeMap::new();
         pipeline.ingredients(effect).for_each(|(key, _)| *counts.entry(key).or_insert(0) += 1);
         assert!(!counts.is_empty() && counts.values().all(|count| *count == 1), "{effect:?}: {counts:?}");

@@ -40,9 +40,9 @@ fn pixels(view: &View, mesh: &Mesh, t: TriangleId) -> Option<f32> {
     let corners = mesh.corners(t);
     let size = view.size().as_dvec2();
     mesh.normal(t).filter(|normal| normal.dot(view.centre() - corners[0]) > 0.0)?;
-    let mut at = corners.iter().filter_map(|&corner| {
-        view.project(corner).filter(|p| p.cmpge(DVec2::ZERO).all() && p.cmplt(size).all())
-    });
+    let mut at = corners
+        .iter()
+        .filter_map(|&corner| view.project(corner).filter(|p| p.cmpge(DVec2::ZERO).all() && p.cmplt(size).all()));
     let (a, b, c) = (at.next()?, at.next()?, at.next()?);
     Some(to_f32((b - a).perp_dot(c - a).abs() / 2.0))
 }
