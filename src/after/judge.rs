@@ -15,11 +15,12 @@ use crate::flow::pool;
 use crate::pipeline::Pipeline;
 use crate::render::metrics::{MaterialErrors, compare, diffuse_guess};
 use crate::render::pictures::PixelErrors;
-use crate::render::visibility::SKY_RAYS;
-use crate::render::{Lighting, relight, sky_visibility};
+use crate::render::{Lighting, relight};
 use crate::scene::Material;
 use crate::scene::evidence::{Evidence, Filled};
 use crate::stages::light::{SceneLight, SunAndSky};
+use crate::trace::sky_visibility;
+use crate::trace::visibility::SKY_RAYS;
 
 /// The other suns: elevation and azimuth about `[scene] up`, degrees.
 pub(crate) const SUNS: [(f64, f64); 4] = [(20.0, 60.0), (35.0, 150.0), (55.0, 290.0), (75.0, 0.0)];

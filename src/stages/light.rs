@@ -4,11 +4,10 @@ use glam::{DVec3, Vec3};
 
 use crate::base::ids::TriangleId;
 use crate::config::{Choice, Effect, Key, Keys, Problem, Section, Settings, Value};
-use crate::render::Shares;
-use crate::render::visibility::SKY_RAYS;
 use crate::scene::Mesh;
 use crate::scene::light::{LocalLight, Sun};
-use crate::trace::Bvh;
+use crate::trace::visibility::SKY_RAYS;
+use crate::trace::{Bvh, Shares};
 
 /// Section `[light]`.
 #[derive(Debug, Clone, PartialEq)]
