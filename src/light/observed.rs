@@ -10,9 +10,9 @@ pub(crate) struct Sighting {
     pub frame: u32,
     /// The triangle, by its position among those that were looked at.
     pub sample: u32,
-    /// Pixels that were neither masked nor clipped nor near a silhouette.
+    /// Pixels of the triangle that are not masked, clipped ones included, away from silhouettes.
     pub pixels: u32,
-    /// Clipped pixels.
+    /// Clipped pixels among them.
     pub clipped: u32,
     /// Mean linear radiance of the pixels, before any gain.
     pub mean: [f32; 3],

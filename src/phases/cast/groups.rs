@@ -8,7 +8,7 @@ use std::sync::{Arc, OnceLock};
 use rayon::prelude::*;
 
 use super::frozen::{Frozen, Names};
-use super::ingredients::{TOO_LARGE, contents, ingredient, with_contents, with_pose};
+use super::ingredients::{TOO_LARGE, contents, image_in, ingredient, with_contents, with_pose};
 use super::readable::Readable;
 use crate::base::ids::FrameId;
 use crate::base::patience::Patience;
@@ -45,6 +45,8 @@ pub(crate) struct FrameGroups {
     groups: Vec<Group>,
     /// As units of looking.
     looks: Vec<Group>,
+    /// The logarithm of each frame's gain, where it is known for the image that is there.
+    gains: Vec<Option<f32>>,
 }
 
 impl FrameGroups {
@@ -88,8 +90,8 @@ impl FrameGroups {
     ) -> Result<Self> {
         let planned = list.groups(&scene.frames, pipeline.gather.group);
         let frames = Ingredients::of(&scene.frames, readable);
-        let (groups, looks) = (Vec::new(), Vec::new());
-        let mut all = FrameGroups { list, planned, frames, groups, looks };
+        let (groups, looks, gains) = Default::default();
+        let mut all = FrameGroups { list, planned, frames, groups, looks, gains };
         all.look(pipeline, ledger, scene, light)?;
         all.cast(pipeline, ledger, scene, light)?;
         Ok(all)
@@ -103,6 +105,11 @@ impl FrameGroups {
     /// The same groups as units of looking.
     pub(crate) fn looks(&self) -> &[Group] {
         &self.looks
+    }
+
+    /// What each frame's radiance is divided by.
+    pub(crate) fn gains(&self) -> Vec<f32> {
+        self.gains.iter().map(|log| log.map_or(1.0, f32::exp)).collect()
     }
 
     /// Gives the units of looking the recipes that they have now.
@@ -132,8 +139,16 @@ impl FrameGroups {
             .with("scene.mesh", scene.mesh_key)
             .with(FORMAT, VERSION)
             .with_all(pipeline.ingredients(Effect::Cast));
-        let gains = &light.state().gains;
-        let common = Common { recipe, gain: &|frame| gains.get(frame).map(|gain| gain.log) };
+        self.gains = vec![None; scene.frames.len()];
+        for group in &self.looks {
+            for id in &group.frames {
+                let name = &scene.frames[id.index()].name;
+                let gain = light.state().gains.get(name).filter(|gain| gain.image == image_in(&group.recipe, name));
+                self.gains[id.index()] = gain.map(|gain| gain.log);
+            }
+        }
+        let gains = &self.gains;
+        let common = Common { recipe, gain: &|id| gains[id.index()] };
         self.groups = self.frames.groups(pipeline, ledger, scene, &self.planned, &common)?;
         Ok(())
     }
@@ -185,7 +200,7 @@ struct Common<'a> {
     /// The recipe of a group without frames and number.
     recipe: Recipe,
     /// The logarithm of a frame's gain, where the group's unit depends on it.
-    gain: &'a dyn Fn(&str) -> Option<f32>,
+    gain: &'a dyn Fn(FrameId) -> Option<f32>,
 }
 
 impl Common<'_> {
@@ -197,9 +212,9 @@ impl Common<'_> {
     fn of(&self, number: &str, all: &[Frame], frames: &[FrameId]) -> Recipe {
         let ingredients = self.recipe.ingredients().map(|(name, value)| (name.to_owned(), value.to_owned()));
         let start = Recipe::new(self.phase(), number).with_all(ingredients);
-        frames.iter().map(|id| &all[id.index()]).fold(start, |recipe, frame| {
-            let gain = (self.gain)(&frame.name);
-            with_pose(recipe, frame).with_or_without(ingredient(FrameInput::Gain, &frame.name), gain)
+        frames.iter().fold(start, |recipe, &id| {
+            let frame = &all[id.index()];
+            with_pose(recipe, frame).with_or_without(ingredient(FrameInput::Gain, &frame.name), (self.gain)(id))
         })
     }
 }

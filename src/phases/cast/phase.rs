@@ -22,7 +22,6 @@ use crate::phases::report::FrameCounts;
 use crate::phases::takes::{QUEUE, Takes};
 use crate::phases::units::{Extent, Unit, Units};
 use crate::pipeline::Pipeline;
-use crate::scene::frame::Frame;
 use crate::stages::cast;
 use crate::stages::decode::Contents;
 use crate::stages::frames::Frames;
@@ -124,8 +123,7 @@ impl Phase for Cast {
         let replay = format!("gonio buffers {} --out frame.exr", pipeline.file.display());
         let decode = scene.decode(pipeline, &replay);
         let (tile, downscale) = (pipeline.cast.tile, pipeline.decode.downscale);
-        let gain = |frame: &Frame| surveyed.light.state().gains.get(&frame.name).map_or(1.0, |gain| gain.log.exp());
-        let gains: Vec<f32> = scene.frames.iter().map(gain).collect();
+        let gains = surveyed.groups.gains();
         let cast =
             cast::Cast { frames: &scene.frames, mesh: &scene.mesh, bvh: &bvh, tile, downscale, piece, gains: &gains };
         // What a unit is made of is what was read of its files.

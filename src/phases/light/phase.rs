@@ -25,7 +25,7 @@ use crate::pipeline::Pipeline;
 pub(crate) struct Light;
 
 /// The sightings that are used, at most. Where there are more, every so many-th is.
-const MOST: u64 = 2_000_000;
+const MOST: u64 = 400_000;
 
 /// The bytes that finding takes beside the sightings, and the seconds.
 const FINDING: u64 = 24 << 20;

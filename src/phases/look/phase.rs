@@ -31,6 +31,9 @@ pub(crate) struct Look;
 /// The triangles that are looked at.
 const SAMPLE: usize = 12_000;
 
+/// What one thread takes to look at a triangle that a frame sees, seconds.
+const SECONDS: f64 = 2e-5;
+
 /// The bytes that a worker holds beside the frame: its stack, and what it saw.
 const WORKER: u64 = 2 * STACK + 2 * SAMPLE as u64 * size_of::<Sighting>() as u64;
 
@@ -109,7 +112,10 @@ impl Phase for Look {
             mapped: facts.mesh + Bvh::BYTES_PER_TRIANGLE * facts.triangles,
             disk: facts.frames * Look::SEEN.min(facts.triangles) * size_of::<Sighting>() as u64,
             units: facts.groups,
-            seconds: facts.trial.map(|trial| facts.pixels as f64 * trial.seconds_to_read / workers as f64),
+            seconds: facts.trial.map(|trial| {
+                let looking = SECONDS * (facts.frames * Look::SEEN.min(facts.triangles)) as f64;
+                (facts.pixels as f64 * trial.seconds_to_read + looking) / workers as f64
+            }),
             ..Takes::default()
         })
     }

@@ -4,6 +4,7 @@
 mod faults;
 #[cfg(unix)]
 mod inputs;
+mod light;
 mod mock;
 #[cfg(target_os = "linux")]
 mod power;

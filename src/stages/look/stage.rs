@@ -38,7 +38,7 @@ pub(crate) struct Look<'a> {
     pub downscale: u32,
 }
 
-/// The fewest pixels, clipped ones too, that make a row.
+/// The fewest pixels that make a row.
 const LEAST: u32 = 2;
 
 impl Look<'_> {
@@ -52,22 +52,17 @@ impl Look<'_> {
             let mut row = Sighting { frame: frame.0, sample: to_u32(at), ..Sighting::default() };
             for pixel in trial.pixels(&view, self.mesh, self.bvh, t) {
                 let index = pixel.y as usize * image.width as usize + pixel.x as usize;
-                match image.pixel(index) {
-                    None => {}
-                    Some(seen) if seen.clipped => row.clipped += 1,
-                    Some(seen) => {
-                        row.pixels += 1;
-                        sum.iter_mut().zip(seen.rgb).for_each(|(sum, value)| *sum += f64::from(value));
-                        place += pixel.as_vec2() + 0.5;
-                    }
-                }
+                let Some(seen) = image.pixel(index) else { continue };
+                row.pixels += 1;
+                row.clipped += u32::from(seen.clipped);
+                sum.iter_mut().zip(seen.rgb).for_each(|(sum, value)| *sum += f64::from(value));
+                place += pixel.as_vec2() + 0.5;
             }
-            if row.pixels + row.clipped < LEAST {
+            if row.pixels < LEAST {
                 continue;
             }
-            let count = row.pixels.max(1);
-            row.mean = sum.map(|sum| to_f32(sum / f64::from(count)));
-            let off = if row.pixels == 0 { Vec2::ZERO } else { place / count as f32 - middle };
+            row.mean = sum.map(|sum| to_f32(sum / f64::from(row.pixels)));
+            let off = place / row.pixels as f32 - middle;
             row.radius2 = off.length_squared() / middle.length_squared().max(1.0);
             rows.push(row);
         }
