@@ -58,6 +58,7 @@ mod codec;
 mod config;
 mod disk;
 pub mod flow;
+mod light;
 mod model;
 mod phases;
 mod pipeline;
