@@ -53,11 +53,13 @@ pub(super) fn rows(lines: &mut Lines, report: &Report) {
         lines.row("sun", format!("[{x:.4}, {y:.4}, {z:.4}] within {sun_degrees:.1} degrees, turned {turned:.2}"));
         lines.row("light", format!("sun {}, sky {}; white {white:.2}", three(color), three(sky)));
     }
-    if !words.is_empty() {
-        lines.row(if sun.is_some() { "" } else { "light" }, words.clone());
+    if sun.is_some() {
+        lines.row("", words.clone());
+    } else if !words.is_empty() {
+        lines.row("light", format!("no sun was found: {words}"));
     }
     if let Some(moved) = moved {
-        lines.row("", moved.clone());
+        lines.row("", format!("it stays as it was found, but {moved}; `gonio light PIPELINE --again` finds it anew"));
     }
     if *gains > 0 || !untied.is_empty() {
         let [low, high] = gain_range;

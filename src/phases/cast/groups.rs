@@ -219,6 +219,14 @@ impl Common<'_> {
     }
 }
 
+/// What the recipe of a group begins with.
+struct Start<'a> {
+    /// The recipe without the contents of files.
+    recipe: Recipe,
+    /// The units of the group that are done, whatever they are made of. Before there are any, files are not looked at.
+    done: &'a [UnitName],
+}
+
 /// The ingredients of every frame, found when they are asked for.
 struct Ingredients {
     contents: Vec<OnceLock<Contents>>,
@@ -246,11 +254,12 @@ impl Ingredients {
         });
     }
 
-    /// A recipe with the files of these frames. `left_out` says which of them are too large.
-    fn recipe(&self, recipe: Recipe, all: &[Frame], some: &[FrameId], left_out: impl Fn(FrameId) -> bool) -> Recipe {
-        some.iter().fold(recipe, |recipe, &id| {
+    /// A recipe with the files of these frames, as far as the unit is begun. `left_out` says which of them are too large.
+    fn recipe(&self, start: &Start<'_>, all: &[Frame], some: &[FrameId], left_out: impl Fn(FrameId) -> bool) -> Recipe {
+        some.iter().fold(start.recipe.clone(), |recipe, &id| {
             let too_large = Contents::without(Content::TooLarge);
-            let contents = if left_out(id) { Some(&too_large) } else { self.contents[id.index()].get() };
+            let found = || self.contents[id.index()].get().filter(|_| !start.done.is_empty());
+            let contents = if left_out(id) { Some(&too_large) } else { found() };
             contents.map_or(recipe.clone(), |contents| with_contents(recipe, &all[id.index()], contents))
         })
     }
@@ -285,16 +294,17 @@ impl Ingredients {
         number: &str,
         frames: Vec<FrameId>,
     ) -> Result<Group> {
-        let start = common.of(number, all, &frames);
-        let mut recipe = self.recipe(start.clone(), all, &frames, |id| self.is_too_large(id));
+        let done = ledger.find(common.phase(), number);
+        let start = Start { recipe: common.of(number, all, &frames), done: &done };
+        let mut recipe = self.recipe(&start, all, &frames, |id| self.is_too_large(id));
         if !ledger.is_done(&recipe.unit()) {
-            for done in ledger.find(common.phase(), number) {
-                let done = ledger.recipe(&done)?;
+            for done in &done {
+                let done = ledger.recipe(done)?;
                 let still_left_out = |id: FrameId| {
                     let name = ingredient(FrameInput::Image, &all[id.index()].name);
                     done.ingredient(&name) == Some(TOO_LARGE) && (self.too_large.is_none() || self.is_too_large(id))
                 };
-                let kept = self.recipe(start.clone(), all, &frames, still_left_out);
+                let kept = self.recipe(&start, all, &frames, still_left_out);
                 if kept == done {
                     recipe = kept;
                 }

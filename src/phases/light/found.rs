@@ -28,8 +28,10 @@ pub(crate) enum Decided {
     Sun,
     /// No sun shone.
     NoSun,
-    /// It cannot be told.
+    /// There may have been a sun.
     Doubtful,
+    /// Too little was seen to tell.
+    TooLittle,
 }
 
 /// A light that was found.
@@ -92,6 +94,24 @@ pub(crate) struct Looked {
     pub moved: Option<Moved>,
 }
 
+/// How a light was decided.
+fn words(found: &Found) -> String {
+    let Found { turned, triangles, pairs, .. } = found;
+    let seen = format!("{pairs} pairs of {triangles} triangles");
+    match found.decided {
+        Decision::Sun => format!("{seen} fit a sun elsewhere worse by {turned:.2}"),
+        Decision::Doubtful => {
+            format!(
+                "{seen} fit a sun elsewhere little worse, by {turned:.2}: hold it against what you know of place and time"
+            )
+        }
+        Decision::NoSun => {
+            format!("{seen} fit no sun much better than another ({turned:.2}): the sky was overcast, most likely")
+        }
+        Decision::TooLittle => format!("{seen} are too few to tell the light from"),
+    }
+}
+
 /// A number that JSON can hold.
 fn finite(value: f32) -> f32 {
     if value.is_finite() { value } else { f32::MAX.copysign(value) }
@@ -104,6 +124,7 @@ impl FoundLight {
             Decision::Sun => Decided::Sun,
             Decision::NoSun => Decided::NoSun,
             Decision::Doubtful => Decided::Doubtful,
+            Decision::TooLittle => Decided::TooLittle,
         };
         let dome = found.dome.iter().map(|(at, cost)| [at.x, at.y, at.z, *cost]);
         FoundLight {
@@ -116,14 +137,19 @@ impl FoundLight {
             turned: finite(found.turned),
             white: finite(found.white),
             decided,
-            words: found.words.clone(),
+            words: words(found),
             dome: dome.filter(|row| row.iter().all(|v| v.is_finite())).collect(),
         }
     }
 
+    /// Whether a sun is reckoned with. One that is doubtful is: the user is told to check it.
+    pub(super) fn has_sun(&self) -> bool {
+        self.sun.is_some() && matches!(self.decided, Decided::Sun | Decided::Doubtful)
+    }
+
     /// Sun and sky, where there is a sun.
     pub(crate) fn sun_and_sky(&self) -> Option<SunAndSky> {
-        let direction = self.sun.filter(|_| self.decided == Decided::Sun).map(|sun| DVec3::from(sun).as_vec3())?;
+        let direction = self.sun.filter(|_| self.has_sun()).map(|sun| DVec3::from(sun).as_vec3())?;
         let sun = Sun { direction: direction.normalize_or_zero(), color: Vec3::from(self.color) };
         Some(SunAndSky { sun, sky: Vec3::from(self.sky) })
     }

@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::found::{Decided, FoundLight, Gain, Looked, Moved};
+use super::found::{FoundLight, Gain, Looked, Moved};
 use crate::base::ids::TriangleId;
 use crate::base::key::{Key, KeyBuilder};
 use crate::base::{Error, Result};
@@ -94,7 +94,7 @@ impl State {
         };
         let Some(light) = &self.light else { return told };
         let FoundLight { sun_degrees, color, sky, white, turned, .. } = *light;
-        let sun = light.sun.filter(|_| light.decided == Decided::Sun);
+        let sun = light.sun.filter(|_| light.has_sun());
         LightReport { sun, sun_degrees, color, sky, white, turned, words: light.words.clone(), ..told }
     }
 }
@@ -118,12 +118,22 @@ impl FrozenLight {
         Ok(FrozenLight::with(list, damage, pipeline, mesh))
     }
 
-    /// What is wrong with the list of a store, if anything is.
+    /// What is wrong with the list of a store, which had at least so many entries, if anything is.
     ///
     /// # Errors
     /// A store that fails.
-    pub(super) fn rotten(store: &Arc<dyn Store>) -> Result<Option<Damage>> {
-        Ok(frozen::Frozen::<Entry>::read(Arc::clone(store), FOLDER)?.1)
+    pub(super) fn rotten(store: &Arc<dyn Store>, entries: usize) -> Result<Option<Damage>> {
+        let (list, damage) = frozen::Frozen::<Entry>::read(Arc::clone(store), FOLDER)?;
+        let lost = || {
+            let why = "it is not there, but what was made of it is".to_owned();
+            (list.items().len() < entries).then(|| Damage { page: list.next_page(), why, kept: Vec::new() })
+        };
+        Ok(damage.or_else(lost))
+    }
+
+    /// The number of entries.
+    pub(super) fn entries(&self) -> usize {
+        self.list.items().len()
     }
 
     fn with(list: frozen::Frozen<Entry>, damage: Option<Damage>, pipeline: &Pipeline, mesh: Key) -> Self {

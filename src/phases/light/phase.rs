@@ -24,15 +24,15 @@ use crate::pipeline::Pipeline;
 /// The phase; its one unit is `light.json`.
 pub(crate) struct Light;
 
+/// The ingredient that stands for the number of entries of the frozen list: where there are fewer, its end was lost.
+const ENTRIES: &str = PhaseName::Light.as_str();
+
 /// The sightings that are used, at most. Where there are more, every so many-th is.
 const MOST: u64 = 400_000;
 
 /// The bytes that finding takes beside the sightings, and the seconds.
 const FINDING: u64 = 24 << 20;
 const SECONDS: f64 = 3.0;
-
-/// Frames that are named where their exposure cannot be told; `light.json` names all.
-const NAMED: usize = 5;
 
 /// The bytes on disk of what is found, for each frame and beside.
 const EACH: u64 = 64;
@@ -58,8 +58,11 @@ impl Phase for Light {
         Ok(Units { noun: "lights", all: vec![Unit::new(recipe)], extent })
     }
 
-    fn rotten(&self, store: &Arc<dyn Store>, _: &Ledger) -> Result<Vec<Rotten>> {
-        let damage = FrozenLight::rotten(store)?;
+    fn rotten(&self, store: &Arc<dyn Store>, ledger: &Ledger) -> Result<Vec<Rotten>> {
+        let recipes = ledger.of_phase(PhaseName::Light).into_iter().map(|unit| ledger.recipe(&unit));
+        let recipes = recipes.collect::<Result<Vec<Recipe>>>()?;
+        let entries = recipes.iter().filter_map(|recipe| recipe.ingredient(ENTRIES)?.parse().ok()).max();
+        let damage = FrozenLight::rotten(store, entries.unwrap_or(0))?;
         Ok(damage.into_iter().map(|Damage { page, why, .. }| Rotten { file: page, unit: None, why }).collect())
     }
 
@@ -99,25 +102,10 @@ impl Phase for Light {
         Ok(())
     }
 
-    fn tell(&self, run: &mut Context<'_>, _: &Units, done: &[Unit]) -> Result<()> {
+    fn tell(&self, run: &mut Context<'_>, _: &Units, _: &[Unit]) -> Result<()> {
         run.known.settle_estimator()?;
         run.report.backend = run.known.estimator.describe();
-        let state = run.known.surveyed()?.light.state();
-        let told = state.report();
-        if let Some(moved) = &told.moved {
-            let again = format!("gonio light {} --again", run.pipeline.file.display());
-            run.progress.note(format!("the light stays as it was found, though {moved}; `{again}` finds it anew"));
-        }
-        if run.pipeline.estimates_light() && told.sun.is_none() && !done.is_empty() {
-            let words = &told.words;
-            run.progress.note(format!("no sun was found ({words}): materials come from the reflectance maps alone"));
-        }
-        if !told.untied.is_empty() && !done.is_empty() {
-            let (few, more) = (told.untied.iter().take(NAMED).cloned().collect::<Vec<_>>().join(", "), told.untied.len());
-            let more = if more > NAMED { format!(" and {} more", more - NAMED) } else { String::new() };
-            run.progress.note(format!("the exposure of {few}{more} is taken as it is: too little is seen that others see"));
-        }
-        run.report.light = Some(told);
+        run.report.light = Some(run.known.surveyed()?.light.state().report());
         run.known.needs_light()
     }
 }
@@ -142,6 +130,7 @@ fn recipe(known: &Known<'_>, looks: &Units) -> Result<Recipe> {
     Ok(Recipe::new(PhaseName::Light, "")
         .with("scene.mesh", surveyed.scene.mesh_key)
         .with(PhaseName::Look.as_str(), start.field(frozen.as_bytes()).finish())
+        .with(ENTRIES, surveyed.light.entries())
         .with_all(known.pipeline.ingredients(Effect::Look))
         .with(FORMAT, VERSION))
 }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 
 use super::found::{FoundLight, Gain, Looked};
 use super::frozen::State;
@@ -57,7 +57,7 @@ impl Evidence<'_> {
     fn gains(&self, known: &State) -> Gains {
         let count = self.scene.frames.len();
         if !self.pipeline.solves_exposure() {
-            return Gains { log: vec![Some(0.0); count], residual: 0.0 };
+            return Gains::none(count);
         }
         let of = |(frame, image): (&Frame, &String)| {
             known.gains.get(&frame.name).filter(|gain| gain.image == *image).map(|gain| gain.log)
@@ -69,10 +69,8 @@ impl Evidence<'_> {
     fn light(&self, gains: &Gains) -> FoundLight {
         let (mesh, bvh) = (&self.scene.mesh, self.scene.bvh());
         let up = DVec3::from(self.pipeline.scene.up).as_vec3().normalize_or_zero();
-        let centres: Vec<Vec3> =
-            self.scene.frames.iter().map(|frame| (frame.pose.centre() - mesh.origin).as_vec3()).collect();
-        let scene = light::Scene { mesh, bvh: &bvh, up, centres: &centres };
+        let scene = light::Scene { mesh, bvh: &bvh, up };
         let settings = Settings { white: self.pipeline.light.white };
-        FoundLight::of(&light::find(&scene, self.sample, self.sightings, gains, settings))
+        FoundLight::of(&light::find(&scene, self.sample, self.sightings, gains, &settings))
     }
 }

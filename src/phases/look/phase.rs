@@ -9,7 +9,7 @@ use crate::base::ids::FrameId;
 use crate::base::{PhaseName, Result};
 use crate::disk::{FileEntry, Ledger, Recipe, Store};
 use crate::flow::{Flow, pool};
-use crate::light::{Sighting, sample};
+use crate::light::{Sighting, TRIANGLES, sample};
 use crate::phases::cast::{Group, causes};
 use crate::phases::cause::Cause;
 use crate::phases::context::Context;
@@ -28,18 +28,15 @@ use crate::trace::Bvh;
 /// The phase; a unit is a group of frames.
 pub(crate) struct Look;
 
-/// The triangles that are looked at.
-const SAMPLE: usize = 12_000;
-
 /// What one thread takes to look at a triangle that a frame sees, seconds.
 const SECONDS: f64 = 2e-5;
 
 /// The bytes that a worker holds beside the frame: its stack, and what it saw.
-const WORKER: u64 = 2 * STACK + 2 * SAMPLE as u64 * size_of::<Sighting>() as u64;
+const WORKER: u64 = 2 * STACK + 2 * TRIANGLES as u64 * size_of::<Sighting>() as u64;
 
 impl Look {
     /// The triangles of the sample that a frame sees, as far as one can tell.
-    pub(crate) const SEEN: u64 = SAMPLE as u64 / 2;
+    pub(crate) const SEEN: u64 = TRIANGLES as u64 / 2;
 
     /// Whether anything is to be found by looking.
     pub(crate) fn is_asked(pipeline: &Pipeline) -> bool {
@@ -70,7 +67,7 @@ impl Phase for Look {
             let up = DVec3::from(pipeline.scene.up).as_vec3().normalize_or_zero();
             surveyed.light.freeze_sample(|| {
                 let sizes = usual_pixels(&scene.mesh, &scene.frames, pipeline.decode.downscale);
-                sample(&scene.mesh, up, &sizes, SAMPLE)
+                sample(&scene.mesh, up, &sizes, TRIANGLES)
             })?;
             surveyed.groups.freeze(pipeline, &ledger, scene, &surveyed.light)
         })?

@@ -49,7 +49,8 @@ impl Look<'_> {
         let mut rows = Vec::new();
         for (at, &t) in self.sample.iter().enumerate() {
             let (mut sum, mut place) = ([0.0_f64; 3], Vec2::ZERO);
-            let mut row = Sighting { frame: frame.0, sample: to_u32(at), ..Sighting::default() };
+            let (pixels, clipped, mean, radius2) = Default::default();
+            let mut row = Sighting { frame: frame.0, sample: to_u32(at), pixels, clipped, mean, radius2 };
             for pixel in trial.pixels(&view, self.mesh, self.bvh, t) {
                 let index = pixel.y as usize * image.width as usize + pixel.x as usize;
                 let Some(seen) = image.pixel(index) else { continue };
