@@ -1,6 +1,7 @@
 //! `gonio light`: exposures and light are found, and nothing else is done.
 
 use super::ending::Answer;
+use super::explain::stays;
 use super::pipeline_args::PipelineArgs;
 use super::print::{Lines, clock};
 use super::run::shown;
@@ -59,7 +60,7 @@ pub(super) fn rows(lines: &mut Lines, report: &Report) {
         lines.row("light", format!("no sun was found: {words}"));
     }
     if let Some(moved) = moved {
-        lines.row("", format!("it stays as it was found, but {moved}; `gonio light PIPELINE --again` finds it anew"));
+        lines.row("", stays(moved));
     }
     if *gains > 0 || !untied.is_empty() {
         let [low, high] = gain_range;

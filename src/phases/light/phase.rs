@@ -10,7 +10,7 @@ use crate::base::{PhaseName, Result};
 use crate::config::Effect;
 use crate::disk::{Damage, Ledger, Recipe, Rotten, Store};
 use crate::flow::pool;
-use crate::light::Sighting;
+use crate::light::{Sighting, TRIANGLES};
 use crate::phases::cause::FORMAT;
 use crate::phases::context::Context;
 use crate::phases::facts::Facts;
@@ -67,7 +67,7 @@ impl Phase for Light {
     }
 
     fn takes(&self, pipeline: &Pipeline, facts: &Facts) -> Option<Takes> {
-        let rows = MOST.min(facts.frames * Look::SEEN.min(facts.triangles));
+        let rows = MOST.min(facts.frames * facts.triangles.min(TRIANGLES as u64));
         Look::is_asked(pipeline).then(|| Takes {
             held: held(rows),
             held_for: "what the frames saw of the triangles that were looked at",

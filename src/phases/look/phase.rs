@@ -36,7 +36,7 @@ const WORKER: u64 = 2 * STACK + 2 * TRIANGLES as u64 * size_of::<Sighting>() as 
 
 impl Look {
     /// The triangles of the sample that a frame sees, as far as one can tell.
-    pub(crate) const SEEN: u64 = TRIANGLES as u64 / 2;
+    const SEEN: u64 = TRIANGLES as u64 / 2;
 
     /// Whether anything is to be found by looking.
     pub(crate) fn is_asked(pipeline: &Pipeline) -> bool {
