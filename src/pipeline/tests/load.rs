@@ -99,7 +99,7 @@ x = 1
     p.toml:6:20: scene.poses.format: must be "colmap"; got "colmpa"; did you mean `colmap`?
     p.toml:6:37: scene.poses.path: must be a folder, and is a file; got mesh.ply; name the folder that holds cameras.bin and images.bin, or both as .txt: --set scene.poses.path=PATH
     p.toml:8:12: decode.transfer: must be a name: "srgb" or "linear" or "gamma"; got 1
-    p.toml:9:12: decode.exposure: must be "solve" or "as_is"; got "as_was"; did you mean `as_is`?
+    p.toml:9:12: decode.exposure: must be "solve" or "as_is"; got "as_was"
     p.toml:11:8: cast.tile: must be a power of two, 8 to 256; got 33
     p.toml:13:9: gather.group: must not be negative; got -1
     p.toml:14:1: gather.shadow: no such key; the known ones are group; `shadow` is gone: observations in cast shadows count like all others
