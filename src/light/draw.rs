@@ -2,7 +2,8 @@
 
 /// A hash of two integers (splitmix64's finish).
 pub(super) fn draw(a: u64, b: u64) -> u64 {
-    let z = a.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ b.wrapping_add(1).wrapping_mul(0xd1b5_4a32_d192_ed03);
+    let z =
+        a.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ b.wrapping_add(1).wrapping_mul(0xd1b5_4a32_d192_ed03);
     let z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
     z ^ (z >> 31)

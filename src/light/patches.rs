@@ -8,7 +8,7 @@ use super::observed::{Sighting, luma};
 use crate::base::convert::{Cut, to_f32};
 use crate::base::ids::TriangleId;
 use crate::scene::Mesh;
-use crate::trace::{Bvh, Shares, parallel, visibility};
+use crate::trace::{Bvh, Ray, Shares, visibility};
 
 /// The scene that the sampled triangles are of.
 #[derive(Debug, Clone, Copy)]
@@ -66,8 +66,10 @@ pub(super) struct Patches<'a> {
 impl<'a> Patches<'a> {
     /// The patches of a sample that enough was seen of.
     pub(super) fn new(scene: &Scene<'a>, sample: &[TriangleId], sightings: &[Sighting], gains: &Gains) -> Self {
-        let mut order: Vec<&Sighting> =
-            sightings.iter().filter(|s| (s.sample as usize) < sample.len() && gains.factor(s.frame).is_some()).collect();
+        let mut order: Vec<&Sighting> = sightings
+            .iter()
+            .filter(|s| (s.sample as usize) < sample.len() && gains.factor(s.frame).is_some())
+            .collect();
         order.sort_unstable_by_key(|s| (s.sample, s.frame));
         let shares = Shares::new(scene.mesh, SKY_RAYS);
         let offset = visibility::offset(scene.mesh);
@@ -95,16 +97,16 @@ impl<'a> Patches<'a> {
     /// The cosine of the sun at each patch times the share of it that the sun reaches, found by rays from its first
     /// `points` points.
     pub(super) fn sun(&self, sun: Vec3, points: usize) -> Vec<f32> {
-        let mut lit: Vec<f32> = self.all.iter().map(|patch| patch.normal.dot(sun.into()).max(0.0)).collect();
-        let facing: Vec<usize> = (0..lit.len()).filter(|&i| lit[i] > 0.0).collect();
-        let origins: Vec<Vec3> =
-            facing.iter().flat_map(|&i| self.all[i].points[..points].iter().copied()).collect();
-        let mut dark = vec![false; origins.len()];
-        parallel::occluded(self.bvh, sun, &origins, &mut dark);
-        for (&i, dark) in facing.iter().zip(dark.chunks(points)) {
-            lit[i] *= dark.iter().filter(|dark| !**dark).count() as f32 / points as f32;
-        }
-        lit
+        // Patches lie too far apart for their rays to go together.
+        let reached = |patch: &Patch| {
+            let cos = patch.normal.dot(sun.into());
+            if cos <= 0.0 {
+                return 0.0;
+            }
+            let free = |origin: &&Vec3| !self.bvh.occluded(&Ray { origin: **origin, direction: sun }, f32::INFINITY);
+            cos * patch.points[..points].iter().filter(free).count() as f32 / points as f32
+        };
+        self.all.iter().map(reached).collect()
     }
 }
 

@@ -16,7 +16,12 @@ const LEAST: f32 = 0.005;
 const MOST: f32 = 20.0;
 
 /// The best of some grey ratios, and its cost.
-pub(super) fn best_grey(comparison: &Comparison<'_>, lit: &[f32], pairs: &[Pair], greys: impl Iterator<Item = f32>) -> (f64, Ratio) {
+pub(super) fn best_grey(
+    comparison: &Comparison<'_>,
+    lit: &[f32],
+    pairs: &[Pair],
+    greys: impl Iterator<Item = f32>,
+) -> (f64, Ratio) {
     let costs = greys.map(|grey| (comparison.cost(lit, [grey; 3], pairs), [grey; 3]));
     costs.fold((f64::INFINITY, [1.0; 3]), |best, next| if next.0 < best.0 { next } else { best })
 }
@@ -29,15 +34,24 @@ pub(super) fn best(comparison: &Comparison<'_>, lit: &[f32], pairs: &[Pair]) -> 
 }
 
 /// The best ratio near one of known cost.
-pub(super) fn refined(comparison: &Comparison<'_>, lit: &[f32], pairs: &[Pair], from: (f64, Ratio), steps: &[f32]) -> (f64, Ratio) {
+pub(super) fn refined(
+    comparison: &Comparison<'_>,
+    lit: &[f32],
+    pairs: &[Pair],
+    from: (f64, Ratio),
+    steps: &[f32],
+) -> (f64, Ratio) {
     let (mut cost, mut ratio) = from;
     for &step in steps {
         loop {
             let moved = |way: usize| -> Ratio {
                 let by = if way % 2 == 0 { step } else { 1.0 / step };
-                std::array::from_fn(|c| if way / 2 == 3 || way / 2 == c { (ratio[c] * by).clamp(LEAST, MOST) } else { ratio[c] })
+                std::array::from_fn(|c| {
+                    if way / 2 == 3 || way / 2 == c { (ratio[c] * by).clamp(LEAST, MOST) } else { ratio[c] }
+                })
             };
-            let costs: Vec<f64> = (0..8usize).into_par_iter().map(|way| comparison.cost(lit, moved(way), pairs)).collect();
+            let costs: Vec<f64> =
+                (0..8usize).into_par_iter().map(|way| comparison.cost(lit, moved(way), pairs)).collect();
             let best = (1..8).fold(0, |best, i| if costs[i] < costs[best] { i } else { best });
             if costs[best] >= cost - 1e-7 {
                 break;

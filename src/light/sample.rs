@@ -29,7 +29,8 @@ pub fn sample(mesh: &Mesh, up: Vec3, seen: &[f32], count: usize) -> Vec<Triangle
         let [a, b, c] = mesh.corners(t);
         let across = (b - a).as_dvec3().cross((c - a).as_dvec3());
         let (area, normal) = (across.length(), across.try_normalize()?.as_vec3());
-        let nearer = |best: usize, cell: usize| if cells[cell].dot(normal) > cells[best].dot(normal) { cell } else { best };
+        let nearer =
+            |best: usize, cell: usize| if cells[cell].dot(normal) > cells[best].dot(normal) { cell } else { best };
         Some((t, area, (1..CELLS).fold(0, nearer)))
     };
     let candidates = || TriangleId::all(mesh.len()).filter(visible).filter_map(sized);

@@ -45,6 +45,7 @@ pub(super) fn search(comparison: &mut Comparison<'_>, pairs: &[Pair]) -> Searche
     let directions = dome(comparison.patches.up, GRID, LOWEST_DEGREES);
     let few = some(pairs, GRID_PAIRS);
     let lit: Vec<Vec<f32>> = directions.par_iter().map(|sun| comparison.patches.sun(*sun, 1)).collect();
+
     let mut costs = Vec::new();
     for round in 0..2 {
         let cost = |lit: &Vec<f32>| best_grey(comparison, lit, &few, GREYS.into_iter().step_by(2));
@@ -54,6 +55,7 @@ pub(super) fn search(comparison: &mut Comparison<'_>, pairs: &[Pair]) -> Searche
             comparison.fit_scales(&lit[first], costs[first].1, &few);
         }
     }
+
     drop(lit);
     let mut order: Vec<usize> = (0..directions.len()).collect();
     order.sort_by(|a, b| costs[*a].0.total_cmp(&costs[*b].0));

@@ -30,7 +30,7 @@ const WITHIN_CELL: f32 = 0.4;
 const SLOPE: f32 = 0.05;
 
 /// The spread of a light.
-pub(super) fn spread(comparison: &Comparison<'_>, pairs: &[Pair], found: &Candidate) -> Spread {
+pub(super) fn spread(comparison: &Comparison<'_>, pairs: &[Pair], found: &Candidate) -> (Spread, Vec3) {
     let blocks = blocks(comparison);
     let of_pair: Vec<usize> = pairs.iter().map(|pair| blocks[pair[0] as usize]).collect();
     let costs = |sun: Vec3, ratio, points| {
@@ -65,11 +65,7 @@ pub(super) fn spread(comparison: &Comparison<'_>, pairs: &[Pair], found: &Candid
         let curvature = (0..BLOCKS).map(|b| more[b] + less[b] - 2.0 * here[b]).sum::<f64>();
         if curvature > 0.0 { (slopes.sqrt() / curvature) as f32 * SLOPE } else { f32::INFINITY }
     });
-    Spread {
-        sun_degrees: (off + (WITHIN_CELL * STEP_DEGREES).powi(2)).sqrt(),
-        ratio,
-        scale: scale::SPREAD,
-    }
+    (Spread { sun_degrees: (off + (WITHIN_CELL * STEP_DEGREES).powi(2)).sqrt(), ratio, scale: scale::SPREAD }, mean)
 }
 
 /// The block of the plan that each patch lies in; patches outside the middle 96% belong to the outer blocks.
