@@ -13,6 +13,7 @@ use super::patches::{POINTS, Patches, Scene};
 use super::ratio::{Ratio, best};
 use super::search::{Candidate, search};
 use super::{scale, spread};
+use crate::base::convert::to_f32;
 use crate::base::ids::TriangleId;
 
 /// What is given about the light.
@@ -72,16 +73,15 @@ impl<'a> Clues<'a> {
 
         let mut comparison = Comparison::new(&self.patches);
         if let Some(white) = settings.white {
-            comparison.white = white as f32;
+            comparison.white = to_f32(white);
         }
-        let searched = search(&mut comparison, &self.pairs);
-        let mut found = searched.modes[0];
+        let (mut found, dome) = search(&mut comparison, &self.pairs);
 
         let turned = rise(&comparison, &self.pairs, &found);
         found.ratio = self.ratio(&mut comparison, &found, settings);
 
         let (spread, mean) = spread::spread(&comparison, &self.pairs, &found);
-        if std::env::var("BAG").is_ok() { found.sun = mean; }
+        found.sun = mean;
 
         let high = elevation(found.sun, self.patches.up) > HIGHEST_DEGREES;
         let decided = match turned {
@@ -96,10 +96,10 @@ impl<'a> Clues<'a> {
             color: [white; 3],
             sky: found.ratio.map(|ratio| ratio * white),
             spread,
-            turned: turned as f32,
+            turned: to_f32(turned),
             white,
             decided,
-            dome: searched.dome,
+            dome,
             triangles: self.patches.all.len(),
             pairs: self.pairs.len(),
         }
@@ -128,7 +128,7 @@ impl<'a> Clues<'a> {
 
     /// What is told where too little was seen.
     fn nothing(&self, settings: &Settings) -> Found {
-        let white = settings.white.unwrap_or(1.0) as f32;
+        let white = to_f32(settings.white.unwrap_or(1.0));
         Found {
             sun: None,
             color: [0.0; 3],

@@ -45,6 +45,11 @@ impl<'a> Comparison<'a> {
         Comparison { patches, scales: Scales::FIRST, white: 1.0, ambient }
     }
 
+    /// A comparison of some of the patches, otherwise like another.
+    pub(super) fn of(patches: &'a Patches<'a>, other: &Comparison<'_>) -> Self {
+        Comparison { scales: other.scales, white: other.white, ..Comparison::new(patches) }
+    }
+
     /// The log albedo of each patch, turned to brightness and two axes of colour, where `lit` is the sun's cosine times its
     /// share and `ratio` the sky's radiance by the sun's, per channel.
     fn albedos(&self, lit: &[f32], ratio: [f32; 3]) -> Vec<Vec3A> {

@@ -94,6 +94,14 @@ impl<'a> Patches<'a> {
         Patches { all, up: scene.up, spacing: to_f32(spacing), bvh: scene.bvh }
     }
 
+    /// At most `count` of the patches, spread over all.
+    pub(super) fn thinned(&self, count: usize) -> Self {
+        let every = self.all.len().div_ceil(count.max(1)).max(1);
+        let all: Vec<Patch> = self.all.iter().copied().step_by(every).collect();
+        let wider = (self.all.len() as f32 / all.len().max(1) as f32).sqrt();
+        Patches { all, spacing: self.spacing * wider, ..*self }
+    }
+
     /// The cosine of the sun at each patch times the share of it that the sun reaches, found by rays from its first
     /// `points` points.
     pub(super) fn sun(&self, sun: Vec3, points: usize) -> Vec<f32> {

@@ -50,8 +50,8 @@ fn frames_in_any_order_of_rows_give_the_same_bits() {
 fn a_frame_that_nothing_ties_has_no_gain() {
     let mut seen = flight(10, |_| 1.0, 0.05);
     // Two frames that share triangles with each other alone, and one that shares too few.
-    for (frame, first, count) in [(10, 5000, 50), (11, 5000, 50), (12, 0, 4)] {
-        let one = |k| Sighting { frame, sample: first + k, pixels: 40, clipped: 0, mean: [0.2; 3], radius2: 0.0 };
+    for (frame, first, count) in [(10, 5000u32, 50u32), (11, 5000, 50), (12, 0, 4)] {
+        let one = |k: u32| Sighting { frame, sample: first + k, pixels: 40, clipped: 0, mean: [0.2; 3], radius2: 0.0 };
         seen.extend((0..count).map(one));
     }
     let found = gains(&seen, 14, &[]);
