@@ -2,6 +2,7 @@
 
 use glam::Vec3A;
 
+use super::blocks::{BLOCKS, Sums};
 use super::likeness::Scales;
 use super::pairs::Pair;
 use super::patches::{Patch, Patches};
@@ -72,6 +73,15 @@ impl<'a> Comparison<'a> {
     pub(super) fn cost(&self, lit: &[f32], ratio: [f32; 3], pairs: &[Pair]) -> f64 {
         let albedos = self.albedos(lit, ratio);
         self.scales.cost(pairs.iter().map(|pair| difference(&albedos, pair)))
+    }
+
+    /// The cost of a light over some pairs, summed block by block.
+    pub(super) fn block_costs(&self, lit: &[f32], ratio: [f32; 3], pairs: &[Pair], blocks: &[usize]) -> Sums {
+        let mut sums = [0.0; BLOCKS];
+        for (square, &block) in self.squares(lit, ratio, pairs).into_iter().zip(blocks) {
+            sums[block] += self.scales.cost(std::iter::once(square));
+        }
+        sums
     }
 
     /// Makes the scales the likeliest under a light. Returns its cost.
