@@ -2,6 +2,7 @@
 
 use glam::Vec3A;
 
+use super::blocks::{BLOCKS, Sums};
 use super::likeness::Scales;
 use super::pairs::Pair;
 use super::patches::{Patch, Patches};
@@ -45,6 +46,11 @@ impl<'a> Comparison<'a> {
         Comparison { patches, scales: Scales::FIRST, white: 1.0, ambient }
     }
 
+    /// A comparison of some of the patches, otherwise like another.
+    pub(super) fn of(patches: &'a Patches<'a>, other: &Comparison<'_>) -> Self {
+        Comparison { scales: other.scales, white: other.white, ..Comparison::new(patches) }
+    }
+
     /// The log albedo of each patch, turned to brightness and two axes of colour, where `lit` is the sun's cosine times its
     /// share and `ratio` the sky's radiance by the sun's, per channel.
     fn albedos(&self, lit: &[f32], ratio: [f32; 3]) -> Vec<Vec3A> {
@@ -67,6 +73,15 @@ impl<'a> Comparison<'a> {
     pub(super) fn cost(&self, lit: &[f32], ratio: [f32; 3], pairs: &[Pair]) -> f64 {
         let albedos = self.albedos(lit, ratio);
         self.scales.cost(pairs.iter().map(|pair| difference(&albedos, pair)))
+    }
+
+    /// The cost of a light over some pairs, summed block by block.
+    pub(super) fn block_costs(&self, lit: &[f32], ratio: [f32; 3], pairs: &[Pair], blocks: &[usize]) -> Sums {
+        let mut sums = [0.0; BLOCKS];
+        for (square, &block) in self.squares(lit, ratio, pairs).into_iter().zip(blocks) {
+            sums[block] += self.scales.cost(std::iter::once(square));
+        }
+        sums
     }
 
     /// Makes the scales the likeliest under a light. Returns its cost.

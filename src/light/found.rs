@@ -15,6 +15,10 @@ pub struct Found {
     pub spread: Spread,
     /// The rise of the cost when the sun is turned about up, in nats a pair: the least of three turns.
     pub turned: f32,
+    /// That rise in its standard errors.
+    pub turned_sure: f32,
+    /// The rise of the cost when the sun is spread over a cap of 20 degrees, in its standard errors; below 0 the light is soft.
+    pub soft_sure: f32,
     /// The radiance of a white surface that faces the sun, which sets the scale of albedo.
     pub white: f32,
     /// What was decided.

@@ -1,6 +1,8 @@
 //! How likely is it that two albedos are the same material's? Differences of log albedo follow Student's t in three
 //! dimensions, with one scale for brightness and one for colour: materials that look alike differ more in brightness.
 
+use crate::base::convert::to_f32;
+
 /// Degrees of freedom of the distribution: its tails are those of pairs that are not alike after all.
 const FREEDOM: f32 = 1.5;
 
@@ -19,7 +21,7 @@ impl Scales {
 
     /// The mean negative log likelihood of squared differences (brightness, colour), up to a constant.
     pub(super) fn cost(&self, squares: impl Iterator<Item = [f32; 2]>) -> f64 {
-        let weights = [self.brightness, self.chroma].map(|s| (1.0 / (s * s)) as f32 / FREEDOM);
+        let weights = [self.brightness, self.chroma].map(|s| to_f32(1.0 / (s * s)) / FREEDOM);
         // Factors are multiplied before a logarithm is taken; eight of them, of at most 1e30, stay within f64.
         let (mut sum, mut product, mut count) = (0.0, 1.0f64, 0u32);
         for [brightness, chroma] in squares {

@@ -7,6 +7,7 @@
 //! Nothing here reads a file. Work is shared out by rayon, but sums run in one order, so that answers do not depend on the
 //! number of threads; nothing is random.
 
+mod blocks;
 mod clues;
 mod comparison;
 mod decision;

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::draw::draw;
 use super::patches::{Patch, Patches};
-use crate::base::convert::{Cut, to_u32};
+use crate::base::convert::to_u32;
 
 /// Partners of a patch: half of them those whose normals differ most, half drawn.
 const PARTNERS: usize = 12;
@@ -90,11 +90,4 @@ pub(super) fn pairs(patches: &Patches<'_>) -> Vec<Pair> {
     all.sort_unstable();
     all.dedup();
     all
-}
-
-/// At most `count` of the pairs, drawn.
-pub(super) fn some(pairs: &[Pair], count: usize) -> Vec<Pair> {
-    let share = count as f64 / pairs.len().max(1) as f64;
-    let below = u64::cut(share.min(1.0) * u64::MAX as f64);
-    pairs.iter().copied().filter(|[i, j]| draw(u64::from(*i), u64::from(*j) << 32) <= below).collect()
 }

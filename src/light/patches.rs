@@ -8,7 +8,7 @@ use super::observed::{Sighting, luma};
 use crate::base::convert::{Cut, to_f32};
 use crate::base::ids::TriangleId;
 use crate::scene::Mesh;
-use crate::trace::{Bvh, Shares, parallel, visibility};
+use crate::trace::{Bvh, Ray, Shares, visibility};
 
 /// The scene that the sampled triangles are of.
 #[derive(Debug, Clone, Copy)]
@@ -94,18 +94,27 @@ impl<'a> Patches<'a> {
         Patches { all, up: scene.up, spacing: to_f32(spacing), bvh: scene.bvh }
     }
 
+    /// At most `count` of the patches, spread over all.
+    pub(super) fn thinned(&self, count: usize) -> Self {
+        let every = self.all.len().div_ceil(count.max(1)).max(1);
+        let all: Vec<Patch> = self.all.iter().copied().step_by(every).collect();
+        let wider = (self.all.len() as f32 / all.len().max(1) as f32).sqrt();
+        Patches { all, spacing: self.spacing * wider, ..*self }
+    }
+
     /// The cosine of the sun at each patch times the share of it that the sun reaches, found by rays from its first
     /// `points` points.
     pub(super) fn sun(&self, sun: Vec3, points: usize) -> Vec<f32> {
-        let mut lit: Vec<f32> = self.all.iter().map(|patch| patch.normal.dot(sun.into()).max(0.0)).collect();
-        let facing: Vec<usize> = (0..lit.len()).filter(|&i| lit[i] > 0.0).collect();
-        let origins: Vec<Vec3> = facing.iter().flat_map(|&i| self.all[i].points[..points].iter().copied()).collect();
-        let mut dark = vec![false; origins.len()];
-        parallel::occluded(self.bvh, sun, &origins, &mut dark);
-        for (&i, dark) in facing.iter().zip(dark.chunks(points)) {
-            lit[i] *= dark.iter().filter(|dark| !**dark).count() as f32 / points as f32;
-        }
-        lit
+        // Patches lie too far apart for their rays to go together.
+        let reached = |patch: &Patch| {
+            let cos = patch.normal.dot(sun.into());
+            if cos <= 0.0 {
+                return 0.0;
+            }
+            let free = |origin: &&Vec3| !self.bvh.occluded(&Ray { origin: **origin, direction: sun }, f32::INFINITY);
+            cos * patch.points[..points].iter().filter(free).count() as f32 / points as f32
+        };
+        self.all.iter().map(reached).collect()
     }
 }
 

@@ -1,23 +1,23 @@
 //! How sure is the light? Blocks of the plan are drawn anew: what other such scenes would have given.
 
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 use rayon::prelude::*;
 
+use crate::base::convert::{Cut, to_f32};
+
+use super::blocks::{BLOCKS, Sums, blocks};
 use super::comparison::Comparison;
 use super::directions::{angle, rings};
-use super::draw::draw;
+use super::draw::unit;
 use super::found::Spread;
 use super::pairs::Pair;
 use super::patches::POINTS;
 use super::scale;
 use super::search::Candidate;
 
-/// Blocks along either side of the plan.
-const SIDE: usize = 8;
-const BLOCKS: usize = SIDE * SIDE;
-
 /// Suns about the one that was found: degrees between rings, and rings.
 const STEP_DEGREES: f32 = 1.5;
+const FINE_DEGREES: f32 = 0.4;
 const RINGS: usize = 5;
 
 /// Scenes that are drawn.
@@ -29,60 +29,41 @@ const WITHIN_CELL: f32 = 0.4;
 /// The step of log ratio by which slopes are found.
 const SLOPE: f32 = 0.05;
 
-/// The spread of a light.
-pub(super) fn spread(comparison: &Comparison<'_>, pairs: &[Pair], found: &Candidate) -> Spread {
-    let blocks = blocks(comparison);
-    let of_pair: Vec<usize> = pairs.iter().map(|pair| blocks[pair[0] as usize]).collect();
-    let costs = |sun: Vec3, ratio, points| {
-        let mut sums = [0f64; BLOCKS];
-        let squares = comparison.squares(&comparison.patches.sun(sun, points), ratio, pairs);
-        for (square, block) in squares.into_iter().zip(&of_pair) {
-            sums[*block] += comparison.scales.cost(std::iter::once(square));
-        }
-        sums
+/// The spread of a light. The sun becomes the mean over the scenes that are drawn, which is steadier than the best of one.
+pub(super) fn spread(comparison: &Comparison<'_>, pairs: &[Pair], found: &mut Candidate) -> Spread {
+    let blocks = blocks(comparison.patches, pairs);
+    let costs = |sun: Vec3, ratio| comparison.block_costs(&comparison.patches.sun(sun, POINTS), ratio, pairs, &blocks);
+    let around = |middle: Vec3, step: f32| {
+        let suns = rings(middle, step, RINGS);
+        let of_suns: Vec<Sums> = suns.par_iter().map(|sun| costs(*sun, found.ratio)).collect();
+        let drawn = |seed: u64| {
+            let mut times = [0f64; BLOCKS];
+            (0..BLOCKS as u64).for_each(|k| times[usize::cut(unit(seed, k) * BLOCKS as f64)] += 1.0);
+            let cost = |costs: &Sums| costs.iter().zip(&times).map(|(cost, times)| cost * times).sum::<f64>();
+            let all: Vec<f64> = of_suns.iter().map(cost).collect();
+            suns[(1..all.len()).fold(0, |best, i| if all[i] < all[best] { i } else { best })]
+        };
+        let best: Vec<Vec3> = (0..DRAWS).into_par_iter().map(drawn).collect();
+        let mean = best.iter().sum::<Vec3>().normalize_or_zero();
+        let off = best.iter().map(|sun| angle(*sun, mean).powi(2)).sum::<f32>() / DRAWS as f32;
+        (mean, (off + (WITHIN_CELL * step).powi(2)).sqrt())
     };
-    let suns = rings(found.sun, STEP_DEGREES, RINGS);
-    let of_suns: Vec<[f64; BLOCKS]> = suns.par_iter().map(|sun| costs(*sun, found.ratio, 1)).collect();
-    let drawn = |seed: u64| {
-        let mut times = [0f64; BLOCKS];
-        (0..BLOCKS as u64).for_each(|k| times[(draw(seed, k) % BLOCKS as u64) as usize] += 1.0);
-        let cost = |costs: &[f64; BLOCKS]| costs.iter().zip(&times).map(|(cost, times)| cost * times).sum::<f64>();
-        let all: Vec<f64> = of_suns.iter().map(cost).collect();
-        suns[(1..all.len()).fold(0, |best, i| if all[i] < all[best] { i } else { best })]
-    };
-    let best: Vec<Vec3> = (0..DRAWS).into_par_iter().map(drawn).collect();
-    let mean = best.iter().sum::<Vec3>().normalize_or_zero();
-    let off = best.iter().map(|sun| angle(*sun, mean).powi(2)).sum::<f32>() / DRAWS as f32;
+    let (mut mean, mut off) = around(found.sun, STEP_DEGREES);
+    if off < STEP_DEGREES {
+        (mean, off) = around(mean, FINE_DEGREES);
+    }
     let ratio = std::array::from_fn(|c| {
         let at = |way: f32| {
             let mut ratio = found.ratio;
             ratio[c] *= (way * SLOPE).exp();
-            costs(found.sun, ratio, POINTS)
+            costs(found.sun, ratio)
         };
         let [less, here, more] = [at(-1.0), at(0.0), at(1.0)];
         // The blocks' slopes at the least cost against its curvature.
         let slopes = less.iter().zip(&more).map(|(less, more)| ((more - less) / 2.0).powi(2)).sum::<f64>();
         let curvature = (0..BLOCKS).map(|b| more[b] + less[b] - 2.0 * here[b]).sum::<f64>();
-        if curvature > 0.0 { (slopes.sqrt() / curvature) as f32 * SLOPE } else { f32::INFINITY }
+        if curvature > 0.0 { to_f32(slopes.sqrt() / curvature) * SLOPE } else { f32::INFINITY }
     });
-    Spread { sun_degrees: (off + (WITHIN_CELL * STEP_DEGREES).powi(2)).sqrt(), ratio, scale: scale::SPREAD }
-}
-
-/// The block of the plan that each patch lies in; patches outside the middle 96% belong to the outer blocks.
-fn blocks(comparison: &Comparison<'_>) -> Vec<usize> {
-    let (x, y) = comparison.patches.up.any_orthonormal_pair();
-    let plan: Vec<Vec2> = comparison.patches.all.iter().map(|p| Vec2::new(p.middle.dot(x), p.middle.dot(y))).collect();
-    let bounds = |axis: usize| {
-        let mut along: Vec<f32> = plan.iter().map(|at| at[axis]).collect();
-        along.sort_unstable_by(f32::total_cmp);
-        let at = |share: usize| along.get(along.len() * share / 100).copied().unwrap_or(0.0);
-        (at(2), at(98))
-    };
-    let bounds = [bounds(0), bounds(1)];
-    let cell = |at: &Vec2, axis: usize| {
-        let (low, high) = bounds[axis];
-        let share = (at[axis] - low) / (high - low).max(f32::MIN_POSITIVE);
-        (share.clamp(0.0, 0.999) * SIDE as f32) as usize
-    };
-    plan.iter().map(|at| cell(at, 0) * SIDE + cell(at, 1)).collect()
+    found.sun = mean;
+    Spread { sun_degrees: off, ratio, scale: scale::SPREAD }
 }

@@ -1,1 +1,6 @@
-//! Tests of the whole search on scenes with a closed form.
+//! Tests of gains, samples and the whole search, on made-up rows and on scenes with a closed form.
+
+mod gains;
+mod light;
+mod sample;
+mod town;
