@@ -38,7 +38,7 @@ enum Entry {
         triangles: Vec<u32>,
     },
     /// What was found of the sightings.
-    Looked(Looked),
+    Looked(Box<Looked>),
 }
 
 /// What is known of exposures and light, under the configuration as it is.
@@ -235,7 +235,7 @@ impl FrozenLight {
         while self.state.sightings != Some(sightings) {
             let looked = find(&self.state)?;
             let (gains_under, light_under) = (self.gains_under, self.light_under);
-            self.add(Entry::Looked(Looked { gains_under, light_under, sightings, ..looked }))?;
+            self.add(Entry::Looked(Looked { gains_under, light_under, sightings, ..looked }.into()))?;
         }
         Ok(())
     }

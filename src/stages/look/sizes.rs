@@ -25,7 +25,7 @@ pub(crate) fn usual_pixels(mesh: &Mesh, frames: &[Frame], downscale: u32) -> Vec
         .collect();
     let every = mesh.len().div_ceil(TRIANGLES).max(1);
     let usual = |t: usize| {
-        if t % every != 0 {
+        if !t.is_multiple_of(every) {
             return 0.0;
         }
         let mut sizes: Vec<f32> = views.iter().filter_map(|view| pixels(view, mesh, TriangleId::at(t))).collect();
