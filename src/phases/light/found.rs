@@ -177,3 +177,45 @@ impl FoundLight {
 
 /// Suns less far apart are one sun.
 const LEAST_DEGREES: f64 = 2.0;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn light(sun: Option<[f64; 3]>, sun_degrees: f32) -> FoundLight {
+        FoundLight {
+            sun,
+            color: [1.0; 3],
+            sky: [0.2; 3],
+            sun_degrees,
+            ratio: [0.1; 3],
+            scale: 0.2,
+            turned: 1.0,
+            white: 1.0,
+            decided: if sun.is_some() { Decided::Sun } else { Decided::NoSun },
+            words: String::new(),
+            dome: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn a_light_is_contradicted_by_what_lies_beyond_its_spread_alone() {
+        let at = |degrees: f64| Some([degrees.to_radians().cos(), degrees.to_radians().sin(), 0.0]);
+        let moved = |before, now, spread| light(before, spread).against(&light(now, spread)).map(|moved| moved.words);
+        assert_eq!(moved(at(0.0), at(1.9), 0.1), None, "suns less far apart are one");
+        assert!(moved(at(0.0), at(2.1), 0.1).is_some_and(|words| words.contains("2.1 degrees")));
+        assert_eq!(moved(at(0.0), at(7.9), 2.0), None);
+        assert!(moved(at(0.0), at(8.1), 2.0).is_some());
+        assert!(moved(at(0.0), None, 2.0).is_some() && moved(None, at(0.0), 2.0).is_some());
+        assert_eq!(moved(None, None, 2.0), None);
+    }
+
+    #[test]
+    fn a_doubtful_sun_is_reckoned_with_and_one_that_is_none_is_not() {
+        let decided = |decided| FoundLight { decided, ..light(Some([0.0, 0.0, 2.0]), 1.0) }.sun_and_sky();
+        assert_eq!(decided(Decided::Sun).map(|light| light.sun.direction), Some(Vec3::Z));
+        assert_eq!(decided(Decided::Doubtful), decided(Decided::Sun));
+        assert_eq!((decided(Decided::NoSun), decided(Decided::TooLittle)), (None, None));
+        assert_eq!(light(None, 1.0).sun_and_sky(), None);
+    }
+}

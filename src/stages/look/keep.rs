@@ -136,3 +136,48 @@ pub(crate) fn read_skipped(store: &dyn Store, files: &[FileEntry]) -> Result<Vec
     let content = file.verify(store)?;
     serde_json::from_slice(&content).map_err(|why| Error::malformed(store.path(&file.name), why.to_string()))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::PhaseName;
+    use crate::base::key::Key;
+    use crate::disk::{Ledger, MemStore, Recipe};
+    use crate::stages::decode::Content;
+
+    fn row(sample: u32) -> Sighting {
+        Sighting { frame: 99, sample, pixels: 7, clipped: 1, mean: [0.25; 3], radius2: 0.5 }
+    }
+
+    #[test]
+    fn a_group_is_kept_whole_with_its_frames_by_their_place_in_it() {
+        let store: Arc<dyn Store> = Arc::new(MemStore::new());
+        let (ledger, _) = Ledger::open(Arc::clone(&store)).unwrap();
+        let group = |first: u32| GroupFrames {
+            recipe: Recipe::new(PhaseName::Look, first.to_string()),
+            frames: vec![FrameId(first), FrameId(first + 1)],
+        };
+        let groups = [group(3), group(8)];
+        let commit = |group: &GroupFrames, contents: &[(FrameId, Contents)], files: Vec<FileEntry>| {
+            assert_eq!(contents.iter().map(|(id, _)| *id).collect::<Vec<_>>(), group.frames);
+            ledger.commit(&group.recipe, files).map(drop)
+        };
+        let mut keep = Keep::new(&groups, Arc::clone(&store), &commit);
+        let meter = Meter::new("keep", 1, 1, None);
+        let torn = Skipped { item: "4".into(), why: "torn".into(), replay: "gonio".into() };
+        for (frame, rows) in [(3, Ok(vec![row(0), row(2)])), (4, Err(torn.clone())), (8, Ok(vec![row(1)]))] {
+            let contents = Contents::without(Content::Bytes(Key([1; 32])));
+            keep.take(Looked { frame: FrameId(frame), contents, rows }, &meter).unwrap();
+        }
+        keep.finish(End::Drained, &meter).unwrap();
+        assert_eq!(ledger.of_phase(PhaseName::Look), [groups[0].recipe.unit()], "a group cut short is not committed");
+        let files = ledger.files(&groups[0].recipe.unit()).unwrap();
+        let seen = read_sightings(&*store, &files, &groups[0].frames, 3).unwrap();
+        assert_eq!(seen.iter().map(|row| (row.frame, row.sample)).collect::<Vec<_>>(), [(3, 0), (3, 2)]);
+        assert_eq!((sightings_bytes(&files), read_skipped(&*store, &files).unwrap()), (64, vec![torn]));
+        // What no frame or triangle of the group can be is refused, and so are files that are not there.
+        assert!(read_sightings(&*store, &files, &groups[0].frames, 2).unwrap_err().malformed_file().is_some());
+        assert!(read_sightings(&*store, &files, &[], 3).is_err());
+        assert!(read_sightings(&*store, &[], &groups[0].frames, 3).is_err() && read_skipped(&*store, &[]).is_err());
+    }
+}

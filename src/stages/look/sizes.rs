@@ -46,3 +46,31 @@ fn pixels(view: &View, mesh: &Mesh, t: TriangleId) -> Option<f32> {
     let (a, b, c) = (at.next()?, at.next()?, at.next()?);
     Some(to_f32((b - a).perp_dot(c - a).abs() / 2.0))
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::scene::camera::{Camera, Lens};
+    use crate::scene::pose::Pose;
+
+    #[test]
+    fn a_triangle_has_the_pixels_that_the_poses_give_it() {
+        // A triangle half a unit square in size, the same from behind, and one beside the picture.
+        let corner = |x: f64, y: f64| DVec3::new(x, y, 0.0);
+        let vertices = [corner(0.0, 0.0), corner(1.0, 0.0), corner(0.0, 1.0), corner(90.0, 0.0), corner(91.0, 0.0)];
+        let mesh = Mesh::new(&vertices, vec![[0, 1, 2], [0, 2, 1], [3, 4, 2]]).unwrap();
+        let camera = Camera { width: 100, height: 100, lens: Lens::pinhole(DVec2::splat(200.0), DVec2::splat(50.0)) };
+        let frame = |height: f64| Frame {
+            name: height.to_string(),
+            camera: camera.clone().into(),
+            pose: Pose::look_at(DVec3::Z * height, DVec3::ZERO, DVec3::Y),
+        };
+        let sizes = usual_pixels(&mesh, &[5.0, 10.0, 20.0].map(frame), 1);
+        assert!((sizes[0] - 200.0).abs() < 0.1, "{sizes:?}: half of 20 x 20 pixels, in the middle frame");
+        assert_eq!(sizes[1..], [0.0, 0.0]);
+        assert!((usual_pixels(&mesh, &[frame(10.0)], 2)[0] - 50.0).abs() < 0.1);
+        assert_eq!(usual_pixels(&mesh, &[], 1), [0.0; 3]);
+    }
+}
