@@ -54,6 +54,12 @@ pub mod disk {
     }
 }
 
+pub mod light {
+    pub use crate::light::{
+        Clues, Decision, Found, Gains, Scene, Settings, Sighting, Spread, TRIANGLES, find, gains, sample,
+    };
+}
+
 pub mod model {
     pub use crate::model::{
         BUILT_IN, Backend, Contract, Estimate, Estimator, Fit, ModelSource, complete, for_rten, load,

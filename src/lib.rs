@@ -58,6 +58,7 @@ mod codec;
 mod config;
 mod disk;
 pub mod flow;
+mod light;
 mod model;
 mod phases;
 mod pipeline;
@@ -80,11 +81,11 @@ pub use cli::{Allocator, Ending, main, prepare_process};
 pub use config::{Position, Problem, Problems};
 pub use flow::StopSignal;
 pub use phases::{
-    Cause, FrameChange, FrameCounts, FrameInput, PhaseProgress, PhaseReport, Progress, Report, ShardCounts,
-    StageReport, State, TriangleCounts, UnitCount, time_left,
+    Cause, FrameChange, FrameCounts, FrameInput, LightReport, PhaseProgress, PhaseReport, Progress, Report,
+    ShardCounts, StageReport, State, TriangleCounts, UnitCount, time_left,
 };
 pub use pipeline::{Pipeline, load, template};
-pub use run::{Explanation, Foreseen, PhaseExplanation, Plan, PlannedPhase, explain, plan, run};
+pub use run::{Explanation, Foreseen, PhaseExplanation, Plan, PlannedPhase, explain, find_light, plan, run};
 pub use scene::Material;
 pub use scene::evidence::{Evidence, Filled};
 pub use scene::reflectance::{Bin, BinSum, SparseMap, direction_of};

@@ -7,8 +7,10 @@ use crate::base::{Error, PhaseName, Result};
 use crate::disk::Recipe;
 use crate::disk::{DirStore, Ledger, Store};
 use crate::flow::pool;
+use crate::phases::light::{FoundLight, FrozenLight};
 use crate::phases::{LoadedScene, Meshes};
 use crate::pipeline::Pipeline;
+use crate::stages::light::{Mode, SunAndSky};
 use crate::stages::merge::Materials;
 
 /// A finished run.
@@ -19,6 +21,8 @@ pub(super) struct Finished {
     pub materials: Materials,
     /// The recipe of the tables that hold them.
     pub tables: Recipe,
+    /// The light of the photographs, where it is known or was found.
+    pub light: Option<SunAndSky>,
 }
 
 /// The scene of a pipeline, with the run's folder as it is.
@@ -46,7 +50,14 @@ impl Finished {
             let mesh = pipeline.scene.mesh.display();
             return Err(again(&format!("the materials in {work} are not those of {mesh}")));
         }
-        Ok(Finished { scene, materials, tables })
+        let light = match pipeline.light.mode {
+            Mode::Estimate => {
+                let frozen = FrozenLight::read(&store, pipeline, scene.mesh_key)?;
+                frozen.state().light.as_ref().and_then(FoundLight::sun_and_sky)
+            }
+            Mode::Known | Mode::Unknown => pipeline.light.known(),
+        };
+        Ok(Finished { scene, materials, tables, light })
     }
 }
 

@@ -12,6 +12,7 @@ use crate::codec::buffers::{self, Buffers};
 use crate::codec::maps;
 use crate::flow::pool;
 use crate::phases::cast::{FrameGroups, opened_segments};
+use crate::phases::light::FrozenLight;
 use crate::pipeline::Pipeline;
 use crate::scene::reflectance::SparseMap;
 use crate::scene::view::View;
@@ -67,7 +68,8 @@ pub fn read_maps(pipeline: &Pipeline, triangles: &[TriangleId]) -> Result<Vec<Sp
             scene.mesh.len()
         )));
     }
-    let read = || FrameGroups::read(pipeline, &store, &ledger, &scene, None);
+    let light = FrozenLight::read(&store, pipeline, scene.mesh_key)?;
+    let read = || FrameGroups::read(pipeline, &store, &ledger, &scene, None, &light);
     let groups = pool::share(pipeline.run.threads(), read)??;
     let groups = groups.all();
     let missing = groups.iter().filter(|group| !ledger.is_done(&group.recipe.unit())).count();

@@ -15,11 +15,12 @@ use crate::flow::pool;
 use crate::pipeline::Pipeline;
 use crate::render::metrics::{MaterialErrors, compare, diffuse_guess};
 use crate::render::pictures::PixelErrors;
-use crate::render::visibility::SKY_RAYS;
-use crate::render::{Lighting, relight, sky_visibility};
+use crate::render::{Lighting, relight};
 use crate::scene::Material;
 use crate::scene::evidence::{Evidence, Filled};
-use crate::stages::light::{Mode, SceneLight};
+use crate::stages::light::{SceneLight, SunAndSky};
+use crate::trace::sky_visibility;
+use crate::trace::visibility::SKY_RAYS;
 
 /// The other suns: elevation and azimuth about `[scene] up`, degrees.
 pub(crate) const SUNS: [(f64, f64); 4] = [(20.0, 60.0), (35.0, 150.0), (55.0, 290.0), (75.0, 0.0)];
@@ -59,14 +60,13 @@ fn judged(pipeline: &Pipeline, finished: &Finished, truth: &[Material], frames: 
         return Err(Error::invalid("no triangle was seen: there is nothing to judge"));
     }
     let (mesh, bvh) = (&scene.mesh, scene.bvh());
-    let known = (pipeline.light.mode == Mode::Known).then_some(&pipeline.light);
     let mean: Vec<[f32; 3]> = evidence.iter().map(|e| e.mean_radiance).collect();
     let mut estimates = vec![
         ("estimate", materials.rows.iter().copied().map(Material::from).collect()),
         ("mean radiance as kd, ks 0, r 0.5", diffuse_guess(&mean)),
     ];
-    if let Some(config) = known {
-        let light = SceneLight::new(config, mesh, &bvh, pipeline.scene.up);
+    if let Some(light) = finished.light {
+        let light = SceneLight::new(light, mesh, &bvh, pipeline.scene.up);
         estimates.push(("Lambertian in the known light", lambertian(&light, &mean)));
     }
     let errors: Vec<MaterialErrors> =
@@ -75,7 +75,8 @@ fn judged(pipeline: &Pipeline, finished: &Finished, truth: &[Material], frames: 
     // What is not to be compared is no number in the pictures of the truth.
     let nothing = Material::from([f32::NAN; Material::LEN]);
     let compared: Vec<Material> = truth.iter().zip(&seen).map(|(m, seen)| if *seen { *m } else { nothing }).collect();
-    let lights = lights(pipeline, sky_visibility(mesh, &bvh, up(pipeline), SKY_RAYS, 0..mesh.len()).into())?;
+    let lights =
+        lights(pipeline, finished.light, sky_visibility(mesh, &bvh, up(pipeline), SKY_RAYS, 0..mesh.len()).into())?;
     let mut sums = vec![vec![PixelErrors::default(); lights.len()]; estimates.len()];
     let count = frames.clamp(1, scene.frames.len());
     for posed in (0..count).map(|i| &scene.frames[i * scene.frames.len() / count]) {
@@ -95,10 +96,9 @@ fn judged(pipeline: &Pipeline, finished: &Finished, truth: &[Material], frames: 
     Ok(judged.collect())
 }
 
-/// The light of the photographs, if it is known, and then the other suns.
-fn lights(pipeline: &Pipeline, visibility: Array<f32>) -> Result<Vec<Lighting>> {
-    let known = (pipeline.light.mode == Mode::Known).then(|| pipeline.light.sun_and_sky());
-    let sky = known.map_or(Vec3::splat(SKY), |(_, sky)| sky);
+/// The light of the photographs, if there is one, and then the other suns.
+fn lights(pipeline: &Pipeline, known: Option<SunAndSky>, visibility: Array<f32>) -> Result<Vec<Lighting>> {
+    let sky = known.map_or(Vec3::splat(SKY), |light| light.sky);
     let under = |sun| {
         let background = Vec3::NAN;
         Lighting { up: up(pipeline), visibility: visibility.clone(), background, ..Lighting::new(sun, sky) }
@@ -107,7 +107,7 @@ fn lights(pipeline: &Pipeline, visibility: Array<f32>) -> Result<Vec<Lighting>> 
         let light = Light::Sun { elevation_deg, azimuth_deg, sky: SKY };
         lighting(light, DVec3::from(pipeline.scene.up)).map(|lighting| lighting.sun)
     });
-    known.map(|(sun, _)| Ok(sun)).into_iter().chain(others).map(|sun| sun.map(under)).collect()
+    known.map(|light| Ok(light.sun)).into_iter().chain(others).map(|sun| sun.map(under)).collect()
 }
 
 fn up(pipeline: &Pipeline) -> Vec3 {

@@ -10,11 +10,12 @@ use crate::codec::images::{Size, read_image, to_srgb8, write_png};
 use crate::flow::pool;
 use crate::pipeline::Pipeline;
 use crate::render::relight::Rendering;
-use crate::render::visibility::SKY_RAYS;
-use crate::render::{Lighting, relight, sky_visibility};
+use crate::render::{Lighting, relight};
 use crate::scene::Material;
 use crate::scene::frame::{Frame, LinearImage};
 use crate::scene::light::Sun;
+use crate::trace::sky_visibility;
+use crate::trace::visibility::SKY_RAYS;
 
 /// What the scene is lit by.
 #[derive(Debug, Clone, Copy, PartialEq)]

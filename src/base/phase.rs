@@ -15,6 +15,10 @@ pub enum PhaseName {
     Load,
     /// Builds the scene cache.
     Build,
+    /// Looks at some triangles in the frames of a group.
+    Look,
+    /// Finds how the frames are exposed, and the light.
+    Light,
     /// Casts the pixels of a group of frames.
     Cast,
     /// Infers the materials of a shard.
@@ -30,10 +34,12 @@ pub enum PhaseName {
 
 impl PhaseName {
     /// All phases of a run, in order.
-    pub const ALL: [PhaseName; 7] = [
+    pub const ALL: [PhaseName; 9] = [
         PhaseName::Synth,
         PhaseName::Load,
         PhaseName::Build,
+        PhaseName::Look,
+        PhaseName::Light,
         PhaseName::Cast,
         PhaseName::Infer,
         PhaseName::Merge,
@@ -46,6 +52,8 @@ impl PhaseName {
             PhaseName::Synth => "synth",
             PhaseName::Load => "load",
             PhaseName::Build => "build",
+            PhaseName::Look => "look",
+            PhaseName::Light => "light",
             PhaseName::Cast => "cast",
             PhaseName::Infer => "infer",
             PhaseName::Merge => "merge",
@@ -100,7 +108,10 @@ mod tests {
     #[test]
     fn an_unknown_phase_is_refused_with_the_known_ones() {
         let why = "bake".parse::<PhaseName>().unwrap_err();
-        assert_eq!(why, "\"bake\" is not a phase: the phases are synth, load, build, cast, infer, merge, export");
+        assert_eq!(
+            why,
+            "\"bake\" is not a phase: the phases are synth, load, build, look, light, cast, infer, merge, export"
+        );
         assert!("Cast".parse::<PhaseName>().is_err() && "".parse::<PhaseName>().is_err());
         assert!(serde_json::from_str::<PhaseName>("\"bake\"").is_err());
     }

@@ -3,7 +3,7 @@
 use clap::{Parser, Subcommand};
 
 use super::ending::Answer;
-use super::{check, eval, explain, export, inspect, plan, render, run, synth, verify};
+use super::{check, eval, explain, export, inspect, light, plan, render, run, synth, verify};
 
 /// Recovers how every surface of a scene reflects light, from ordinary aerial photographs.
 ///
@@ -28,6 +28,8 @@ pub(super) enum Command {
     Plan(plan::Args),
     /// Say what the next run would do over, and which input or setting is the cause
     Explain(explain::Args),
+    /// Find how the photographs are exposed and the light that they were taken in, and nothing else
+    Light(light::Args),
     /// Hold every file of a run against its checksum and, with --inputs, every input against what was made of it
     Verify(verify::Args),
     /// Write what every pixel of a frame sees: triangle, position, normal, depth, uv, as one EXR
@@ -54,6 +56,7 @@ impl Command {
             Command::Check(args) => check::check(&args),
             Command::Plan(args) => plan::plan(&args),
             Command::Explain(args) => explain::explain(&args),
+            Command::Light(args) => light::light(&args),
             Command::Verify(args) => verify::verify(&args),
             Command::Buffers(args) => inspect::buffers(&args),
             Command::Maps(args) => inspect::maps(&args),

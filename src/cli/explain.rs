@@ -25,18 +25,26 @@ const LISTED: usize = 20;
 
 /// The explanation as lines of text.
 fn table(explanation: &Explanation) -> String {
-    if explanation.is_nothing() {
-        return "nothing is done over: all is there".to_owned();
-    }
     let mut lines = Lines::default();
-    for phase in &explanation.phases {
+    if explanation.is_nothing() {
+        lines.add("nothing is done over: all is there");
+    }
+    for phase in explanation.phases.iter().filter(|_| !explanation.is_nothing()) {
         lines.row(phase.noun, count(phase));
         phase.causes.iter().take(LISTED).for_each(|cause| lines.add(format!("  {}", words(cause))));
         if phase.causes.len() > LISTED {
             lines.add(format!("  and {} more", phase.causes.len() - LISTED));
         }
     }
+    if let Some(moved) = &explanation.moved {
+        lines.row("light", stays(moved));
+    }
     lines.finish()
+}
+
+/// What is said of a light that photographs contradict.
+pub(super) fn stays(moved: &str) -> String {
+    format!("stays as it was found, but {moved}; `gonio light PIPELINE --again` finds it anew")
 }
 
 fn count(PhaseExplanation { total, again, .. }: &PhaseExplanation) -> String {
@@ -59,6 +67,7 @@ pub(super) fn words(cause: &Cause) -> String {
                 FrameInput::Image => "image",
                 FrameInput::Mask => "mask",
                 FrameInput::Pose => "pose",
+                FrameInput::Gain => "gain",
             };
             match change {
                 FrameChange::Came => format!("{frame} has a {input} now"),
@@ -101,6 +110,7 @@ mod tests {
                 phase(PhaseName::Merge, "tables", Some(1), 1, &[Cause::Upstream]),
                 phase(PhaseName::Export, "exports", Some(2), 0, &[]),
             ],
+            moved: Some("the sun went down".into()),
         };
         insta::assert_snapshot!(table(&explanation), @r"
         frames         2 of 10
@@ -110,6 +120,7 @@ mod tests {
         tables         1 of 1
           made of what is done over above
         exports        none
+        light          stays as it was found, but the sun went down; `gonio light PIPELINE --again` finds it anew
         ");
         assert_eq!(table(&Explanation::default()), "nothing is done over: all is there");
     }

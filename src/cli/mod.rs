@@ -14,6 +14,7 @@ mod eval;
 mod explain;
 mod export;
 mod inspect;
+mod light;
 mod out_of_memory;
 mod pipeline_args;
 mod plan;

@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use super::light;
 use super::print::{Lines, clock, short};
 use crate::base::units::Bytes;
 use crate::phases::{Report, StageReport};
@@ -34,6 +35,7 @@ pub(super) fn table(report: &Report) -> String {
         }
     }
     lines.row("triangles", format!("{} ({triangles})", t.total));
+    light::rows(&mut lines, report);
     lines.row("estimator", report.backend.clone());
     lines.row("memory", format!("{} lent at most", Bytes(report.memory_peak)));
     lines.row("time", clock(report.seconds));
@@ -71,7 +73,7 @@ mod tests {
     use super::*;
     use crate::base::PhaseName;
     use crate::flow::{Meter, Skipped};
-    use crate::phases::{FrameCounts, PhaseReport, ShardCounts, TriangleCounts};
+    use crate::phases::{FrameCounts, LightReport, PhaseReport, ShardCounts, TriangleCounts};
 
     #[test]
     fn the_table_says_it_all() {
@@ -96,6 +98,19 @@ mod tests {
             shards: ShardCounts { total: 13, inferred: 4, resumed: 9 },
             triangles: TriangleCounts { total: 50_123, degenerate: 3, seen: 45_000, filled: 5_000, empty: 123 },
             segment_bytes: 12_345_678,
+            light: Some(LightReport {
+                sun: Some([0.6, 0.0, 0.8]),
+                sun_degrees: 0.75,
+                color: [0.9, 0.85, 0.8],
+                sky: [0.1, 0.125, 0.25],
+                white: 1.0,
+                turned: 1.5,
+                words: "shadows say so".into(),
+                moved: None,
+                gains: 59,
+                gain_range: [0.75, 1.25],
+                untied: vec!["dark.jpg".into()],
+            }),
             memory_peak: 3 << 29,
             backend: "gonio-lobe-small on rten 0.27.0".into(),
             phases: vec![
@@ -117,6 +132,10 @@ mod tests {
     observations   52.1 M (1.23 M records, 11.8 MiB, 0.24 bytes each)
     shards         13 (4 inferred, 9 from before)
     triangles      50123 (45000 seen, 5000 filled, 123 without a material, 3 without area)
+    sun            [0.6000, 0.0000, 0.8000] within 0.8 degrees, turned 1.50
+    light          sun 0.900 0.850 0.800, sky 0.100 0.125 0.250; white 1.00
+                   shadows say so
+    exposure       gains 0.75 to 1.25 of 59 frames; 1 not told
     estimator      gonio-lobe-small on rten 0.27.0
     memory         1.5 GiB lent at most
     time           1:15

@@ -1,4 +1,4 @@
-//! `gonio run`: the run on this thread, its progress on another, the deadline of a stop on a third.
+//! `gonio run`, and what runs as it does: the work on this thread, its progress on another, the deadline of a stop on a third.
 
 use std::io::IsTerminal;
 use std::sync::{Mutex, PoisonError};
@@ -13,8 +13,10 @@ use super::pipeline_args::PipelineArgs;
 use super::print::{err, out};
 use super::progress::{Show, Style};
 use super::report;
+use crate::base::Result;
 use crate::flow::{StopSignal, spawn};
-use crate::phases::Progress;
+use crate::phases::{Progress, Report};
+use crate::pipeline::Pipeline;
 use crate::run::run as run_pipeline;
 
 /// Options of `run`.
@@ -30,7 +32,16 @@ pub(super) struct Args {
 
 /// Runs a pipeline and shows how far it is, then what came of it.
 pub(super) fn run(args: &Args) -> Answer {
-    let (pipeline, json) = (args.pipeline.load()?, args.json);
+    shown(&args.pipeline.load()?, args.json, &run_pipeline, &report::table)
+}
+
+/// Does work on a pipeline and shows how far it is, then what came of it.
+pub(super) fn shown(
+    pipeline: &Pipeline,
+    json: bool,
+    work: &(dyn Fn(&Pipeline, &StopSignal, &Progress) -> Result<Report> + Sync),
+    table: &dyn Fn(&Report) -> String,
+) -> Answer {
     let (stop, progress) = (StopSignal::new(), Progress::new());
     let style = match (json, std::io::stderr().is_terminal()) {
         (true, _) => Style::Json,
@@ -49,7 +60,7 @@ pub(super) fn run(args: &Args) -> Answer {
             if let Err(why) = spawn::start(scope, "progress", true, show) {
                 err(&format!("gonio: no thread is granted that shows progress: {why}"));
             }
-            let ran = run_pipeline(&pipeline, &stop, &progress);
+            let ran = work(pipeline, &stop, &progress);
             drop(done);
             ran
         })
@@ -58,7 +69,7 @@ pub(super) fn run(args: &Args) -> Answer {
     match ran {
         Ok(report) => {
             let event = || json!({ "event": "done", "report": report }).to_string();
-            let told = shown.and_then(|()| out(&if json { event() } else { report::table(&report) }));
+            let told = shown.and_then(|()| out(&if json { event() } else { table(&report) }));
             told.map_err(|why| {
                 why.doing(format!("the run is done, and {} has its results", pipeline.run.work.display()))
             })?;

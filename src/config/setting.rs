@@ -9,6 +9,8 @@ pub enum Effect {
     Nothing,
     /// What is made of the input that the setting names, if the input's content is another.
     Input,
+    /// Finding exposures and light, and what is made of those that change.
+    Look,
     /// Casting, and all that follows.
     Cast,
     /// Inference, and all that follows.

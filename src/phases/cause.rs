@@ -59,6 +59,8 @@ pub enum FrameInput {
     Mask,
     /// Camera and pose.
     Pose,
+    /// How the frame is exposed against the others, as it was found.
+    Gain,
 }
 
 /// How an input of a frame changed.

@@ -6,6 +6,8 @@ pub(super) const USUAL_BINS: usize = 16;
 /// What a trial of casting found.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Trial {
+    /// What one thread takes to read a pixel, seconds.
+    pub seconds_to_read: f64,
     /// What one thread takes for a pixel, reading and casting, seconds.
     pub seconds_per_pixel: f64,
     /// Records that a frame becomes, for each of its pixels.

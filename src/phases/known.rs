@@ -6,12 +6,15 @@ use std::sync::Arc;
 use super::cast::{FrameGroups, Readable, pixels};
 use super::facts::{Facts, Trial};
 use super::infer::{TriedEstimator, load_estimator};
+use super::light::FrozenLight;
 use super::scene::{LoadedScene, Meshes};
 use crate::base::{Error, Result, memory};
+use crate::config::Choice;
 use crate::disk::{Ledger, Store};
 use crate::flow::pool;
 use crate::model::Estimator;
 use crate::pipeline::Pipeline;
+use crate::stages::light::{Mode, SunAndSky};
 
 /// What a scene is looked at for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -30,6 +33,8 @@ pub(crate) struct Known<'a> {
     pub pipeline: &'a Pipeline,
     /// What turns maps into materials.
     pub estimator: Box<dyn Estimator>,
+    /// Whether the estimator was loaded for a light.
+    lit: bool,
     /// The bytes that the process holds before it reads a scene.
     pub process: u64,
     surveyed: Option<Surveyed>,
@@ -39,7 +44,9 @@ pub(crate) struct Known<'a> {
 pub(crate) struct Surveyed {
     /// The scene.
     pub scene: LoadedScene,
-    /// The frame groups, each with the recipe that it has now.
+    /// What is known of exposures and light.
+    pub light: FrozenLight,
+    /// The frame groups, each with the recipes that it has now.
     pub groups: FrameGroups,
     /// The figures of the scene and of this machine.
     pub facts: Facts,
@@ -51,8 +58,10 @@ impl<'a> Known<'a> {
     /// # Errors
     /// A model or a library that cannot be used.
     pub(crate) fn new(pipeline: &'a Pipeline) -> Result<Self> {
-        let estimator = load_estimator(pipeline)?;
-        Ok(Known { pipeline, estimator, process: process_bytes(), surveyed: None })
+        // A light that is still to be found is reckoned with.
+        let lit = pipeline.light.mode != Mode::Unknown;
+        let estimator = load_estimator(pipeline, lit)?;
+        Ok(Known { pipeline, estimator, lit, process: process_bytes(), surveyed: None })
     }
 
     /// Looks at the scene: reads mesh and poses, finds which frames can be read under the limit, and tries how long a map and,
@@ -71,8 +80,53 @@ impl<'a> Known<'a> {
         Ok(self.surveyed.insert(surveyed))
     }
 
+    /// The light, as far as it is known by now.
+    pub(crate) fn light(&self) -> Option<SunAndSky> {
+        self.found(self.surveyed.as_ref().map(|surveyed| &surveyed.light))
+    }
+
+    fn found(&self, frozen: Option<&FrozenLight>) -> Option<SunAndSky> {
+        match self.pipeline.light.mode {
+            Mode::Known => self.pipeline.light.known(),
+            Mode::Estimate => frozen?.state().light.as_ref()?.sun_and_sky(),
+            Mode::Unknown => None,
+        }
+    }
+
+    /// Loads the estimator that is asked for with the light as it is, if another was loaded before the light was found.
+    ///
+    /// # Errors
+    /// A model or a library that cannot be used.
+    pub(crate) fn settle_estimator(&mut self) -> Result<()> {
+        self.settle_for(self.light().is_some())
+    }
+
+    fn settle_for(&mut self, lit: bool) -> Result<()> {
+        let method = self.pipeline.infer.estimator;
+        if method.settled(lit) != method.settled(self.lit) {
+            self.estimator = load_estimator(self.pipeline, lit)?;
+        }
+        self.lit = lit;
+        Ok(())
+    }
+
+    /// Refuses an estimator that needs a light which was not found.
+    ///
+    /// # Errors
+    /// There is none, and what to do.
+    pub(crate) fn needs_light(&self) -> Result<()> {
+        if self.light().is_some() || !self.estimator.contract().light.wanted() {
+            return Ok(());
+        }
+        Err(Error::invalid(format!(
+            "no sun was found in the photographs, and [infer] estimator = \"{}\" needs one: set estimator = \"auto\", or give \
+             the sun with [light] mode = \"known\"",
+            self.pipeline.infer.estimator.name()
+        )))
+    }
+
     fn survey(
-        &self,
+        &mut self,
         look: Look,
         store: &Arc<dyn Store>,
         ledger: &Ledger,
@@ -85,9 +139,16 @@ impl<'a> Known<'a> {
             Look::Plan | Look::Explain => LoadedScene::foreseen(pipeline, &**store, ledger, meshes)?,
         };
         let readable = Readable::of(pipeline, &scene, self.process);
+        let light = match look {
+            Look::Run => FrozenLight::open(store, pipeline, scene.mesh_key)?,
+            Look::Plan | Look::Explain => FrozenLight::read(store, pipeline, scene.mesh_key)?,
+        };
+        if light.state().light.is_some() {
+            self.settle_for(self.found(Some(&light)).is_some())?;
+        }
         let groups = match look {
-            Look::Run => FrameGroups::of_run(pipeline, store, ledger, &scene, &readable)?,
-            Look::Plan | Look::Explain => FrameGroups::read(pipeline, store, ledger, &scene, Some(&readable))?,
+            Look::Run => FrameGroups::of_run(pipeline, store, ledger, &scene, &readable, &light)?,
+            Look::Plan | Look::Explain => FrameGroups::read(pipeline, store, ledger, &scene, Some(&readable), &light)?,
         };
         let tried = match look {
             Look::Explain => TriedEstimator::default(),
@@ -129,7 +190,7 @@ impl<'a> Known<'a> {
                 }
             }
         }
-        Ok(Surveyed { scene, groups, facts })
+        Ok(Surveyed { scene, light, groups, facts })
     }
 
     fn try_frames(&self, scene: &LoadedScene, readable: &Readable) -> Result<Option<Trial>> {

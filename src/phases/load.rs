@@ -39,6 +39,11 @@ impl Phase for Load {
             let kept = if kept.is_empty() { kept } else { format!(", which is now {kept}") };
             run.progress.note(format!("the list of frame groups is made over from {page} on{kept}: {why}"));
         }
+        if let Some(damage) = surveyed.light.damage() {
+            let (page, why, kept) = (&damage.page, &damage.why, damage.kept.join(", "));
+            run.progress
+                .note(format!("what was found of the light is found over from {page} on, which is now {kept}: {why}"));
+        }
         Ok(())
     }
 }

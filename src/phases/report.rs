@@ -33,6 +33,9 @@ pub struct Report {
     pub segment_bytes: u64,
     /// The most bytes that the budget had lent at once.
     pub memory_peak: u64,
+    /// What was found of exposures and light; none where nothing was to be found.
+    #[serde(default)]
+    pub light: Option<LightReport>,
     /// What inferred: backend, version, path.
     pub backend: String,
     /// The phases of the run, in order.
@@ -87,6 +90,33 @@ pub struct FrameCounts {
     pub resumed: u64,
     /// Frames that could not be used.
     pub skipped: u64,
+}
+
+/// What was found of exposures and light. `light.json` has all of it.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct LightReport {
+    /// Unit vector towards the sun, in the mesh's coordinates; none where no sun was found, or none was looked for.
+    pub sun: Option<[f64; 3]>,
+    /// One standard deviation of the sun's direction, degrees.
+    pub sun_degrees: f32,
+    /// Radiance of a white surface that faces the sun, without the sky's part.
+    pub color: [f32; 3],
+    /// The sky's radiance.
+    pub sky: [f32; 3],
+    /// Radiance of a white surface that faces the sun, as it was set or found: photographs alone do not tell it.
+    pub white: f32,
+    /// The rise of the cost where the sun is turned about up: near 0 there is none.
+    pub turned: f32,
+    /// How it was decided, in words.
+    pub words: String,
+    /// What photographs say that came later, where they contradict.
+    pub moved: Option<String>,
+    /// Frames whose exposure was found.
+    pub gains: u64,
+    /// The least and the greatest of their gains.
+    pub gain_range: [f32; 2],
+    /// Frames whose exposure cannot be told.
+    pub untied: Vec<String>,
 }
 
 /// Counts of shards.

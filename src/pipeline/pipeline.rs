@@ -63,6 +63,16 @@ impl Pipeline {
         }
     }
 
+    /// Whether the exposure of each frame is found.
+    pub fn solves_exposure(&self) -> bool {
+        self.decode.exposure == decode::Exposure::Solve
+    }
+
+    /// Whether the light is found in the photographs.
+    pub fn estimates_light(&self) -> bool {
+        self.light.mode == light::Mode::Estimate
+    }
+
     /// Every setting of every section.
     pub fn all_settings(&self) -> Vec<Setting> {
         let Pipeline { file: _, synth, scene, decode, cast, gather, infer, merge, light, export, run } = self;

@@ -90,6 +90,7 @@ impl Section for Scene {
             .optional("masks", masks.as_ref(), Effect::Input)
             // The sky is the half that is up.
             .with("up", up, Effect::Light)
+            .with("up", up, Effect::Look)
             .with("up", up, Effect::Axes)
             .and(poses.settings())
     }

@@ -11,8 +11,6 @@ pub(crate) mod relight;
 pub(crate) mod similarity;
 #[cfg(test)]
 mod tests;
-pub(crate) mod visibility;
 
 pub(crate) use environment::Lighting;
 pub(crate) use relight::relight;
-pub(crate) use visibility::{Shares, sky_visibility};

@@ -4,7 +4,6 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use super::environment::{self, Lighting};
-use super::visibility;
 use crate::base::convert::to_u32;
 use crate::base::ids::TriangleId;
 use crate::base::{Error, Result};
@@ -12,7 +11,7 @@ use crate::scene::frame::Frame;
 use crate::scene::reflectance::LobeFrame;
 use crate::scene::view::{Tile, View};
 use crate::scene::{Material, Mesh};
-use crate::trace::{Bvh, Hit, PixelHit, TileRays, parallel};
+use crate::trace::{Bvh, Hit, PixelHit, TileRays, parallel, visibility};
 
 /// A rendered image: linear radiance, not clipped.
 #[derive(Debug, Clone, PartialEq)]

@@ -9,7 +9,7 @@ use crate::scene::frame::Frame;
 use crate::scene::light::Sun;
 use crate::scene::pose::Pose;
 use crate::scene::{Material, Mesh, brdf};
-use crate::trace::Bvh;
+use crate::trace::{Bvh, sky_visibility};
 
 const WHITE: Material = Material { kd: [1.0; 3], ks: [0.0; 3], r: 0.5 };
 

@@ -12,7 +12,7 @@ use crate::disk::{DirStore, Finding, Findings, Ledger, Lock, Store, UnitName};
 use crate::flow::{Budget, Reservation, StopSignal, pool};
 use crate::phases::{
     Context, Extent, Facts, Known, PHASES, Phase, PhaseReport, Progress, REPORT, Report, StageReport, Unit, UnitCount,
-    remove_report, write_report,
+    end_light, remove_report, write_report,
 };
 use crate::pipeline::Pipeline;
 
@@ -24,6 +24,22 @@ pub fn run(pipeline: &Pipeline, stop: &StopSignal, progress: &Progress) -> Resul
     let store = DirStore::new(&pipeline.run.work);
     let _lock = Lock::acquire(&store)?;
     run_phases(PHASES, Arc::new(store), pipeline, stop, progress)
+}
+
+/// Runs or resumes the pipeline as far as to the light: exposures and light are found, and nothing is made of them. With `again`,
+/// what was found before is ended first.
+///
+/// # Errors
+/// As for [`run`].
+pub fn find_light(pipeline: &Pipeline, again: bool, stop: &StopSignal, progress: &Progress) -> Result<Report> {
+    let store: Arc<dyn Store> = Arc::new(DirStore::new(&pipeline.run.work));
+    let _lock = Lock::acquire(&DirStore::new(&pipeline.run.work))?;
+    if again {
+        end_light(&store)?;
+    }
+    let to_light: Vec<&dyn Phase> =
+        PHASES.iter().copied().take_while(|phase| phase.name() <= PhaseName::Light).collect();
+    run_phases(&to_light, store, pipeline, stop, progress)
 }
 
 /// Runs these phases on the store of the run's folder, which is locked: what no unit record names is swept first.
@@ -102,7 +118,7 @@ fn attempt(
         report,
     };
     let mut run = Run { phases, context, mending, plan: None, process: None };
-    let done = run.all().and_then(|()| run.write_report(started));
+    let done = run.all().and_then(|()| run.end(started));
     done.map_err(|why| run.told_if_full(why))?;
     Ok(run.context.report)
 }
@@ -201,12 +217,14 @@ impl Run<'_, '_> {
         Ok(())
     }
 
-    fn write_report(&mut self, started: Instant) -> Result<()> {
+    /// Writes the report, which says that a run is finished: not after some of the phases.
+    fn end(&mut self, started: Instant) -> Result<()> {
+        let whole = self.phases.iter().any(|phase| phase.name() >= PhaseName::Merge);
         let run = &mut self.context;
         run.report.memory_peak = run.budget.peak();
         run.report.seconds = started.elapsed().as_secs_f64();
         run.report.units = UnitCount::of(self.phases.iter().map(|phase| phase.name()), &run.ledger);
-        write_report(&*run.store, &run.report)
+        if whole { write_report(&*run.store, &run.report) } else { Ok(()) }
     }
 
     /// The same error, and what to do where the disk is full or a file is too large for a limit.

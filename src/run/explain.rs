@@ -15,6 +15,8 @@ use std::sync::Arc;
 pub struct Explanation {
     /// The phases that keep units, in order.
     pub phases: Vec<PhaseExplanation>,
+    /// What photographs that came later say of the light, where they contradict the one that was found and stays.
+    pub moved: Option<String>,
 }
 
 /// What the next run would do over in a phase.
@@ -52,7 +54,8 @@ pub(super) fn explain_phases(phases: &[&dyn Phase], pipeline: &Pipeline) -> Resu
     let (ledger, _) = pool::share(pipeline.run.threads(), || Ledger::read(Arc::clone(&store)))??;
     let mut known = Known::new(pipeline)?;
     known.look(Look::Explain, &store, &ledger, &|_, _| Ok(()))?;
-    let mut explanation = Explanation::default();
+    let moved = known.surveyed()?.light.state().moved.as_ref().map(|moved| moved.words.clone());
+    let mut explanation = Explanation { phases: Vec::new(), moved };
     for phase in phases {
         let units = phase.units(&known, &*store, &ledger)?;
         if !matches!(units.extent, Extent::Unkept | Extent::Absent) {

@@ -9,7 +9,7 @@ mod plan;
 mod tests;
 mod verify;
 
-pub use execute::run;
+pub use execute::{find_light, run};
 pub use explain::{Explanation, PhaseExplanation, explain};
 pub use plan::{Foreseen, Plan, PlannedPhase, plan};
 pub(crate) use verify::{Verified, verify};

@@ -176,7 +176,12 @@ mod tests {
         process: 50 << 20,
         session: 8 << 20,
         seconds_per_map: 4e-4,
-        trial: Some(Trial { seconds_per_pixel: 2.5e-7, records_per_pixel: 0.125, seconds_per_light: 0.0 }),
+        trial: Some(Trial {
+            seconds_to_read: 1e-7,
+            seconds_per_pixel: 2.5e-7,
+            records_per_pixel: 0.125,
+            seconds_per_light: 0.0,
+        }),
         threads: 2,
     };
 

@@ -165,6 +165,7 @@ fn changed(
 /// Whether a cause is that an input is not what it was.
 fn is_input(cause: &Cause, now: &Recipe, before: &[Recipe]) -> bool {
     match cause {
+        Cause::Frame { input: FrameInput::Gain, .. } => false,
         Cause::Frame { change, .. } => {
             use FrameChange::{Came, Content, Unreadable, Went};
             matches!(change, Content | Unreadable | Went | Came)

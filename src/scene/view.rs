@@ -70,9 +70,23 @@ impl View {
         out.clear();
         out.extend(pixels.iter().map(|pixel| {
             let pixel = DVec2::new(f64::from(tile.x + pixel.x) + 0.5, f64::from(tile.y + pixel.y) + 0.5);
-            let ray = self.camera.ray(pixel).unwrap_or(DVec3::NAN);
-            (self.to_world * ray).as_vec3()
+            self.direction(pixel)
         }));
+    }
+
+    /// The unit direction, in the world, that is seen at a point of the image; NaN where the lens sees nothing.
+    pub(crate) fn direction(&self, at: DVec2) -> Vec3 {
+        (self.to_world * self.camera.ray(at).unwrap_or(DVec3::NAN)).as_vec3()
+    }
+
+    /// Where in the image, or beside it, a point of the mesh is seen; `None` if the lens cannot see it.
+    pub(crate) fn project(&self, point: Vec3) -> Option<DVec2> {
+        self.camera.project(self.to_world.transpose() * (point - self.centre).as_dvec3())
+    }
+
+    /// The image's columns and rows.
+    pub(crate) fn size(&self) -> UVec2 {
+        UVec2::new(self.camera.width, self.camera.height)
     }
 }
 
@@ -99,6 +113,16 @@ mod tests {
             }
             assert!(seen.iter().all(|&n| n == 1), "side {side}");
         }
+    }
+
+    #[test]
+    fn what_is_seen_at_a_point_is_projected_there() {
+        let view = view();
+        for at in [DVec2::new(3.25, 4.5), DVec2::new(69.0, 1.0), DVec2::new(-4.0, 45.0)] {
+            let point = view.centre() + view.direction(at) * 7.0;
+            assert!(view.project(point).is_some_and(|found| found.distance(at) < 1e-3), "{at}");
+        }
+        assert_eq!(view.project(view.centre() + Vec3::Z), None, "behind the camera");
     }
 
     #[test]

@@ -69,6 +69,8 @@ pub(crate) struct Cast<'a> {
     pub downscale: u32,
     /// A frame's records are handed on whenever they take this many bytes. The result does not depend on it.
     pub piece: u64,
+    /// What the radiance of each frame is divided by.
+    pub gains: &'a [f32],
 }
 
 /// A worker's buffers, kept from frame to frame.
@@ -90,13 +92,14 @@ pub(crate) fn tile_bytes(tile: u32) -> u64 {
 }
 
 impl Cast<'_> {
-    /// Casts the pixels of tiles. Hands records to `piece` whenever they take too much memory; gives the rest of the records
+    /// Casts the pixels of tiles of a frame with this gain. Hands records to `piece` whenever they take too much memory; gives the rest of the records
     /// and the number of observations.
     pub(crate) fn rows(
         &self,
         view: &View,
         tiles: impl Iterator<Item = Tile>,
         image: &LinearImage,
+        gain: f32,
         scratch: &mut Scratch,
         mut piece: impl FnMut(FrameRecords) -> Result<()>,
     ) -> Result<(FrameRecords, u64)> {
@@ -113,7 +116,11 @@ impl Cast<'_> {
                 let Some((triangle, axes)) = last else { continue };
                 let towards = axes.to_local(-direction);
                 if towards.z > 0.0 {
-                    rows.observe(triangle, bin_of(towards), BinSum::one(pixel.rgb, pixel.clipped));
+                    rows.observe(
+                        triangle,
+                        bin_of(towards),
+                        BinSum::one(pixel.rgb.map(|value| value / gain), pixel.clipped),
+                    );
                     observations += 1;
                 }
             }
@@ -141,7 +148,8 @@ impl Map for Cast<'_> {
         };
         let posed = &self.frames[frame.index()];
         let view = View::new(posed.camera.down_scaled(self.downscale), &posed.pose, self.mesh);
-        let (rows, observations) = self.rows(&view, view.tiles(self.tile), &image, scratch, |piece| {
+        let gain = self.gains[frame.index()];
+        let (rows, observations) = self.rows(&view, view.tiles(self.tile), &image, gain, scratch, |piece| {
             out.count_bytes(piece.bytes());
             out.send(Seen { rows: Ok(piece), last: None, rays: 0, observations: 0 })
         })?;

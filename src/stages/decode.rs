@@ -10,7 +10,7 @@ use crate::base::patience::Patience;
 use crate::base::shown::quoted;
 use crate::base::{Error, Result, key};
 use crate::codec::images::{self, Curve, Encoded, Need, Size};
-use crate::config::{Choice, Effect, Former, Key, Keys, Now, Problem, Section, Settings, Value, outside};
+use crate::config::{Choice, Effect, Key, Keys, Problem, Section, Settings, Value, outside};
 use crate::flow::{Map, Outlet, Reservation, Skipped};
 use crate::scene::frame::{Frame, LinearImage};
 
@@ -24,6 +24,21 @@ pub struct Config {
     /// How much smaller images are, each way, than their cameras: 1 to 64. The pixels left over at the edge are cut off, so
     /// 1617 by 1208 pixels become 808 by 604.
     pub downscale: u32,
+    /// How the exposure of each frame is taken into account.
+    pub exposure: Exposure,
+}
+
+/// How the exposure of each frame is taken into account.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Exposure {
+    /// The gain of each frame against the others is found from triangles that several frames see, and divided out.
+    Solve,
+    /// All frames are taken to be exposed alike.
+    AsIs,
+}
+
+impl Choice for Exposure {
+    const NAMES: &'static [(&'static str, Self)] = &[("solve", Exposure::Solve), ("as_is", Exposure::AsIs)];
 }
 
 /// How stored values in [0, 1] become linear radiance. Floating-point files are linear and are never changed.
@@ -62,9 +77,13 @@ impl Section for Config {
             doc: "How much smaller the photographs are, each way, than the cameras of the poses, 1 to 64.",
             value: Value::Default("1"),
         },
+        Key {
+            name: "exposure",
+            doc: "\"solve\": how much brighter or darker each photograph was exposed than the others is found from what several \
+                  of them see, and divided out. \"as_is\": all are taken to be exposed alike.",
+            value: Value::Default("\"solve\""),
+        },
     ];
-    const FORMER: &'static [Former] =
-        &[Former { name: "exposure", now: Now::Gone("all frames are taken to be exposed alike") }];
 
     fn read(keys: &Keys<'_>) -> Self {
         let transfer = keys.choice("transfer");
@@ -73,15 +92,17 @@ impl Section for Config {
         if keys.is_good("transfer") {
             check_gamma(keys, transfer, gamma);
         }
-        Config { transfer, gamma, downscale: keys.within("downscale", 1..=64) }
+        let (downscale, exposure) = (keys.within("downscale", 1..=64), keys.choice("exposure"));
+        Config { transfer, gamma, downscale, exposure }
     }
 
     fn settings(&self) -> Settings {
-        let Config { transfer, gamma, downscale } = self;
+        let Config { transfer, gamma, downscale, exposure } = self;
         Settings::of(Self::NAME)
             .with("transfer", transfer.name(), Effect::Cast)
             .optional("gamma", *gamma, Effect::Cast)
             .with("downscale", downscale, Effect::Cast)
+            .with("exposure", exposure.name(), Effect::Look)
     }
 }
 

@@ -35,9 +35,11 @@ pub struct Config {
 /// A method that turns a map into a material.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Method {
+    /// [`Method::NetworkAndFit`] where there is a light, else [`Method::Network`].
+    Auto,
     /// The network.
     Network,
-    /// Least squares in the known light.
+    /// Least squares in the light.
     Fit,
     /// Least squares that start from the network's answer.
     NetworkAndFit,
@@ -48,11 +50,25 @@ impl Method {
     pub fn has_network(self) -> bool {
         self != Method::Fit
     }
+
+    /// The method where there is a light, or none.
+    #[must_use]
+    pub fn settled(self, lit: bool) -> Method {
+        match (self, lit) {
+            (Method::Auto, true) => Method::NetworkAndFit,
+            (Method::Auto, false) => Method::Network,
+            (method, _) => method,
+        }
+    }
 }
 
 impl Choice for Method {
-    const NAMES: &'static [(&'static str, Self)] =
-        &[("network", Method::Network), ("fit", Method::Fit), ("network+fit", Method::NetworkAndFit)];
+    const NAMES: &'static [(&'static str, Self)] = &[
+        ("auto", Method::Auto),
+        ("network", Method::Network),
+        ("fit", Method::Fit),
+        ("network+fit", Method::NetworkAndFit),
+    ];
 }
 
 /// The network that infers.
@@ -108,9 +124,10 @@ impl Section for Config {
     const KEYS: &'static [Key] = &[
         Key {
             name: "estimator",
-            doc: "What turns a reflectance map into a material: \"network\"; or, where the light is known (see [light]), \
-                  \"fit\", or \"network+fit\", which starts from the network's answer.",
-            value: Value::Default("\"network\""),
+            doc: "What turns a reflectance map into a material: \"network\"; or, where there is a light (see [light]), \"fit\", or \
+                  \"network+fit\", which starts from the network's answer; \"auto\" is \"network+fit\" where there is a light, \
+                  else \"network\".",
+            value: Value::Default("\"auto\""),
         },
         Key {
             name: "model",
@@ -172,9 +189,10 @@ impl Section for Config {
 impl Config {
     /// Checks that the estimator is told the light if it needs it.
     pub fn check_light(&self, light: &light::Config, keys: &Keys<'_>) {
-        let problem = Problem::new("needs a known light where it fits").got("an unknown one");
-        let hint = "set [light] mode = \"known\" and its sun, or estimator = \"network\"";
-        let good = self.estimator == Method::Network || light.mode == light::Mode::Known;
+        let problem = Problem::new("needs a light where it fits").got("an unknown one");
+        let hint = "set [light] mode = \"estimate\", or \"known\" and its sun, or estimator = \"auto\"";
+        let fits = matches!(self.estimator, Method::Fit | Method::NetworkAndFit);
+        let good = !fits || light.mode != light::Mode::Unknown;
         keys.check("estimator", good, problem.hint(hint));
     }
 }

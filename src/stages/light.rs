@@ -1,19 +1,18 @@
-//! A known light over a scene, and how much of it reaches each triangle.
+//! A light over a scene, and how much of it reaches each triangle.
 
 use glam::{DVec3, Vec3};
 
 use crate::base::ids::TriangleId;
-use crate::config::{Choice, Effect, Key, Keys, Section, Settings, Value};
-use crate::render::Shares;
-use crate::render::visibility::SKY_RAYS;
+use crate::config::{Choice, Effect, Key, Keys, Problem, Section, Settings, Value};
 use crate::scene::Mesh;
 use crate::scene::light::{LocalLight, Sun};
-use crate::trace::Bvh;
+use crate::trace::visibility::SKY_RAYS;
+use crate::trace::{Bvh, Shares};
 
 /// Section `[light]`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Config {
-    /// Whether the light is known.
+    /// Where the light is known from.
     pub mode: Mode,
     /// The direction to the sun in the mesh's coordinates, of any length but 0; zeros if none is given.
     pub sun: [f64; 3],
@@ -21,19 +20,25 @@ pub struct Config {
     pub color: [f64; 3],
     /// Radiance of the sky, the same all over, linear RGB. A white Lambertian under all of it has this radiance too.
     pub sky: [f64; 3],
+    /// Radiance of a white Lambertian that faces the sun, in the photographs, where the light is estimated; `None` where that is
+    /// estimated too.
+    pub white: Option<f64>,
 }
 
-/// Whether the light is known.
+/// Where the light is known from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Mode {
-    /// The light is unknown: the estimator sees reflectance maps alone.
+    /// Sun and sky are found in the photographs.
+    Estimate,
+    /// Nowhere: the light is unknown: the estimator sees reflectance maps alone.
     Unknown,
     /// Sun and sky are given.
     Known,
 }
 
 impl Choice for Mode {
-    const NAMES: &'static [(&'static str, Self)] = &[("unknown", Mode::Unknown), ("known", Mode::Known)];
+    const NAMES: &'static [(&'static str, Self)] =
+        &[("estimate", Mode::Estimate), ("known", Mode::Known), ("unknown", Mode::Unknown)];
 }
 
 impl Section for Config {
@@ -42,9 +47,10 @@ impl Section for Config {
     const KEYS: &'static [Key] = &[
         Key {
             name: "mode",
-            doc: "\"unknown\": materials come from the reflectance maps alone. \"known\": the photographs were taken in the sun \
-                  and sky below; estimator = \"fit\" and \"network+fit\" use them, and the shadows that they cast.",
-            value: Value::Default("\"unknown\""),
+            doc: "\"estimate\": sun and sky are found in the photographs, if they can be. \"known\": the photographs were taken in \
+                  the sun and sky below. \"unknown\": materials come from the reflectance maps alone. Where there is a light, \
+                  [infer] estimator uses it, and the shadows that it casts.",
+            value: Value::Default("\"estimate\""),
         },
         Key {
             name: "sun",
@@ -62,6 +68,12 @@ impl Section for Config {
             doc: "Radiance of the sky. A white matt surface in the shade, under all of the sky, has this radiance too.",
             value: Value::Default("[0.0, 0.0, 0.0]"),
         },
+        Key {
+            name: "white",
+            doc: "Radiance of a white matt surface that faces the sun, in the units of the photographs, with mode = \"estimate\" \
+                  only. Photographs alone cannot tell a brighter sun from whiter walls; without this, a usual albedo does.",
+            value: Value::Optional("1.0"),
+        },
     ];
 
     fn read(keys: &Keys<'_>) -> Self {
@@ -69,19 +81,28 @@ impl Section for Config {
         let sun: [f64; 3] = keys.optional("sun").unwrap_or_default();
         let length = DVec3::from(sun).length_squared();
         let rule = "must point towards the sun where mode = \"known\", in the mesh's coordinates, as [0.3, -0.5, 0.8]";
-        keys.check("sun", mode == Mode::Unknown || (length.is_finite() && length > 0.0), rule);
+        keys.check("sun", mode != Mode::Known || (length.is_finite() && length > 0.0), rule);
         let [color, sky] = ["color", "sky"].map(|key| {
             let radiance: [f64; 3] = keys.value(key);
             keys.check(key, radiance.iter().all(|v| (0.0..=1e3).contains(v)), "must be three numbers, 0 to 1000");
             radiance
         });
-        Config { mode, sun, color, sky }
+        let white: Option<f64> = keys.optional("white");
+        if let Some(white) = white {
+            let idle = Problem::new("has no meaning unless mode = \"estimate\"");
+            let hint = "take it out, or set mode = \"estimate\"";
+            keys.check("white", mode == Mode::Estimate || !keys.is_good("mode"), idle.hint(hint));
+            keys.check("white", (1e-3..=1e3).contains(&white), "must be 0.001 to 1000");
+        }
+        Config { mode, sun, color, sky, white }
     }
 
     fn settings(&self) -> Settings {
-        let Config { mode, sun, color, sky } = self;
+        let Config { mode, sun, color, sky, white } = self;
         Settings::of(Self::NAME)
             .with("mode", mode.name(), Effect::Light)
+            .with("mode", mode.name(), Effect::Look)
+            .optional("white", *white, Effect::Look)
             .with("sun", sun, Effect::Light)
             .with("color", color, Effect::Light)
             .with("sky", sky, Effect::Light)
@@ -89,30 +110,38 @@ impl Section for Config {
 }
 
 impl Config {
-    /// The sun, and the sky's radiance.
-    pub fn sun_and_sky(&self) -> (Sun, Vec3) {
+    /// The light, where the configuration gives it.
+    pub fn known(&self) -> Option<SunAndSky> {
         let vector = |v: [f64; 3]| DVec3::from(v).as_vec3();
-        (Sun { direction: vector(self.sun).normalize_or_zero(), color: vector(self.color) }, vector(self.sky))
+        let sun = Sun { direction: vector(self.sun).normalize_or_zero(), color: vector(self.color) };
+        (self.mode == Mode::Known).then(|| SunAndSky { sun, sky: vector(self.sky) })
     }
 }
 
-/// A known light over a scene.
+/// A sun, and a sky that is the same all over.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SunAndSky {
+    /// The sun.
+    pub sun: Sun,
+    /// The sky's radiance.
+    pub sky: Vec3,
+}
+
+/// A light over a scene.
 pub(crate) struct SceneLight<'a> {
     mesh: &'a Mesh,
     bvh: &'a Bvh,
-    sun: Sun,
-    sky: Vec3,
+    light: SunAndSky,
     up: Vec3,
     shares: Shares,
 }
 
 impl<'a> SceneLight<'a> {
-    /// The configured light over a mesh. The sky is the hemisphere about `up`.
-    pub(crate) fn new(config: &Config, mesh: &'a Mesh, bvh: &'a Bvh, up: [f64; 3]) -> Self {
-        let (sun, sky) = config.sun_and_sky();
+    /// A light over a mesh. The sky is the hemisphere about `up`.
+    pub(crate) fn new(light: SunAndSky, mesh: &'a Mesh, bvh: &'a Bvh, up: [f64; 3]) -> Self {
         let up = DVec3::from(up).as_vec3().normalize_or_zero();
-        let rays = if sky == Vec3::ZERO { 0 } else { SKY_RAYS };
-        SceneLight { mesh, bvh, sun, sky, up, shares: Shares::new(mesh, rays) }
+        let rays = if light.sky == Vec3::ZERO { 0 } else { SKY_RAYS };
+        SceneLight { mesh, bvh, light, up, shares: Shares::new(mesh, rays) }
     }
 
     /// The light that reaches a triangle; zero for a triangle without area.
@@ -120,10 +149,11 @@ impl<'a> SceneLight<'a> {
         let Some(frame) = self.mesh.lobe_frame(t) else {
             return LocalLight { direction: Vec3::Z, sun: Vec3::ZERO, sky: Vec3::ZERO };
         };
+        let SunAndSky { sun, sky } = self.light;
         LocalLight {
-            direction: frame.to_local(self.sun.direction),
-            sun: self.sun.color * self.shares.sun(self.mesh, self.bvh, self.sun.direction, t),
-            sky: self.sky * self.shares.sky(self.mesh, self.bvh, self.up, t),
+            direction: frame.to_local(sun.direction),
+            sun: sun.color * self.shares.sun(self.mesh, self.bvh, sun.direction, t),
+            sky: sky * self.shares.sky(self.mesh, self.bvh, self.up, t),
         }
     }
 }
@@ -141,6 +171,10 @@ mod tests {
             ("mode = 'known'\nsun = [0, 0, 0]", &["light.sun"]),
             ("mode = 'known'\nsun = [inf, 0, 0]", &["light.sun"]),
             ("mode = 'known'\nsun = [0, 0, -2]", &[]),
+            ("white = 2.5", &[]),
+            ("white = 0", &["light.white"]),
+            ("white = nan", &["light.white"]),
+            ("mode = 'unknown'\nwhite = 1", &["light.white"]),
             ("mode = 'known'\nsun = [1, 1, 1]\ncolor = [-1, 0, 0]\nsky = [nan, 0, 0]", &["light.color", "light.sky"]),
         ] {
             let (_, problems) = read_text::<Config>(text);
@@ -156,8 +190,8 @@ mod tests {
         let beside = floor.map(|p| p + DVec3::X * 9.0);
         let mesh = Mesh::new(&[floor, roof, beside].concat(), vec![[0, 1, 2], [3, 4, 5], [6, 7, 8]]).unwrap();
         let bvh = Bvh::build(&mesh);
-        let config = Config { mode: Mode::Known, sun: [0.0, 0.0, 3.0], color: [1.0; 3], sky: [0.5; 3] };
-        let light = SceneLight::new(&config, &mesh, &bvh, [0.0, 0.0, 1.0]);
+        let config = Config { mode: Mode::Known, sun: [0.0, 0.0, 3.0], color: [1.0; 3], sky: [0.5; 3], white: None };
+        let light = SceneLight::new(config.known().unwrap(), &mesh, &bvh, [0.0, 0.0, 1.0]);
         let [under, roof, open] = [0, 1, 2].map(|t| light.local(TriangleId(t)));
         assert_eq!((under.sun, roof.sun, open.sun), (Vec3::ZERO, Vec3::ONE, Vec3::ONE));
         assert!(under.sky.x < 0.4 && roof.sky.x == 0.5 && open.sky.x > 0.45, "{under:?} {open:?}");

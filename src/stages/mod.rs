@@ -3,6 +3,7 @@
 //! ```text
 //! frames   lends every frame the memory that reading it takes
 //! decode   [decode]   an image file becomes linear radiance
+//! look                a linear image becomes sightings of a sample of triangles
 //! cast     [cast]     a linear image becomes observations
 //! gather   [gather]   the observations of a group of frames become segments
 //! shards              segments become the reflectance maps of a shard; inferred rows become the shard's file
@@ -25,6 +26,7 @@ pub(crate) mod frames;
 pub(crate) mod gather;
 pub(crate) mod infer;
 pub(crate) mod light;
+pub(crate) mod look;
 pub(crate) mod merge;
 pub(crate) mod shards;
 

@@ -2,7 +2,7 @@
 //!
 //! - [`Bvh::nearest`] and [`Bvh::occluded`] take any ray; [`tile::cast`] takes the rays of a tile of pixels, which share
 //!   their origin, sixteen at a time, and finds the same hits bit for bit; [`parallel::occluded`] takes rays of
-//!   one direction, sixteen at a time.
+//!   one direction, sixteen at a time. [`visibility`] finds by rays what share of the sky and of the sun reaches a triangle.
 //! - Hits are those of a loop over all triangles with the same triangle test: the same triangle, and every bit of `t`, `u`
 //!   and `v`. No box that could hold a hit is skipped (`slab`), and of equally near triangles the lower id counts. So the
 //!   hits depend neither on the shape of the tree nor on the number of threads.
@@ -28,8 +28,10 @@ mod tests;
 pub(crate) mod tile;
 mod triangle;
 pub(crate) mod view;
+pub(crate) mod visibility;
 
 pub use bvh::Bvh;
 pub use ray::{Hit, Ray};
 pub(crate) use stored::Stored;
 pub(crate) use view::{PixelHit, TileRays};
+pub(crate) use visibility::{Shares, sky_visibility};

@@ -45,7 +45,7 @@ fn errors(dir: &Path, work: &str) -> [f64; 3] {
 fn a_known_light_gives_the_colours_back() {
     let dir = city();
     run(&dir, "fit", LIGHT).says("2 (2 inferred, 0 from before)");
-    run(&dir, "network", "");
+    run(&dir, "network", "infer.estimator=network light.mode=unknown");
     let ([fit, plain, within], [network, _, said]) = (errors(dir.path(), "fit"), errors(dir.path(), "network"));
     assert!(fit < 0.6 * plain && fit < 0.6 * network, "fit {fit}, mean radiance {plain}, network {network}");
     assert!((0.55..0.85).contains(&within) && said > 0.3, "{within} and {said} of the truths within a deviation");
@@ -73,10 +73,36 @@ fn a_known_light_gives_the_colours_back() {
 }
 
 #[test]
+fn the_light_alone_is_found_and_found_anew() {
+    let dir = city();
+    Ran::gonio(dir.path(), "synth city --out big --triangles 5000 --frames 8 --width 320 --height 240").ends(0);
+    let at =
+        "light p.toml --set scene.mesh=big/mesh.ply --set scene.images=big/images --set scene.poses.path=big/sparse/0";
+    let found = || std::fs::read(dir.path().join("work/scene/light.json")).unwrap();
+    Ran::gonio(dir.path(), at)
+        .ends(0)
+        .says("sun            [-0.")
+        .says("gains 0.9")
+        .says("light.json")
+        .says("light.png");
+    let first = found();
+    assert!(dir.path().join("work/scene/light.png").exists() && !dir.path().join("work/scene/report.json").exists());
+    Ran::gonio(dir.path(), at).ends(0);
+    assert_eq!(found(), first);
+    // Found anew, it is found of the same photographs.
+    Ran::gonio(dir.path(), &format!("{at} --again")).ends(0).says("sun            [-0.");
+    assert_eq!(found(), first);
+    let explain = at.replace("light p", "explain p");
+    Ran::gonio(dir.path(), &explain).ends(0).says("looks          none").says("lights         none").says("8 of 8");
+    let nothing = "light p.toml --set light.mode=unknown --set decode.exposure=as_is";
+    Ran::gonio(dir.path(), nothing).ends(1).says("nothing is to be found");
+}
+
+#[test]
 fn a_fit_without_a_light_is_refused_at_its_line() {
     let dir = city();
-    let ran = Ran::gonio(dir.path(), "check p.toml --set infer.estimator=fit");
-    ran.ends(2).says("infer.estimator: needs a known light");
+    let ran = Ran::gonio(dir.path(), "check p.toml --set infer.estimator=fit --set light.mode=unknown");
+    ran.ends(2).says("infer.estimator: needs a light");
     let ran = Ran::gonio(dir.path(), "check p.toml --set infer.estimator=fit --set light.mode=known");
     ran.ends(2).says("light.sun: must point towards the sun");
 }

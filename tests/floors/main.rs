@@ -19,7 +19,7 @@ const FLOORS: [&[&str]; 10] = [
     &["base"],
     &["scene", "disk", "flow", "config"],
     &["trace", "codec", "shard", "model"],
-    &["cache", "render"],
+    &["cache", "render", "light"],
     &["synth"],
     &["stages"],
     &["pipeline"],

@@ -27,4 +27,5 @@ pub(crate) use read::{is_picture, mask_need};
 pub use size::Size;
 pub use transfer::{Curve, Transfer};
 pub(crate) use transfer::{to_srgb, to_srgb8};
+pub(crate) use write::encode_png;
 pub use write::{write_jpeg, write_png};

@@ -5,7 +5,7 @@ use crate::disk::Recipe;
 use crate::phases::cause::{Cause, FrameChange, FrameInput, of};
 
 /// Why a group is done: what changed of its frames and settings.
-pub(super) fn causes(now: Option<&Recipe>, before: &[Recipe]) -> Vec<Cause> {
+pub(crate) fn causes(now: Option<&Recipe>, before: &[Recipe]) -> Vec<Cause> {
     let new = |frame: &str| Cause::FrameNew { frame: frame.to_owned() };
     let gone = |frame: &str| Cause::FrameGone { frame: frame.to_owned() };
     let Some(now) = now else { return before.iter().flat_map(frames_in).map(gone).collect() };

@@ -8,7 +8,7 @@ use std::sync::{Arc, OnceLock};
 use rayon::prelude::*;
 
 use super::frozen::{Frozen, Names};
-use super::ingredients::{TOO_LARGE, contents, ingredient, with_contents, with_pose};
+use super::ingredients::{TOO_LARGE, contents, image_in, ingredient, with_contents, with_pose};
 use super::readable::Readable;
 use crate::base::ids::FrameId;
 use crate::base::patience::Patience;
@@ -16,13 +16,15 @@ use crate::base::{PhaseName, Result};
 use crate::config::Effect;
 use crate::disk::{self, Damage, Ledger, Recipe, Store, UnitName};
 use crate::phases::cause::{FORMAT, FrameInput};
+use crate::phases::light::FrozenLight;
 use crate::phases::scene::LoadedScene;
 use crate::pipeline::Pipeline;
 use crate::scene::frame::Frame;
 use crate::shard::Segment;
 use crate::shard::format::VERSION;
 use crate::stages::decode::{Content, Contents};
-use crate::stages::gather::SEGMENT;
+use crate::stages::gather::{GroupFrames, SEGMENT};
+use crate::stages::look;
 
 /// Frames whose observations become one unit.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -33,13 +35,18 @@ pub(crate) struct Group {
     pub frames: Vec<FrameId>,
 }
 
-/// The frame groups of a scene: the list of their frames, and the recipe of each.
+/// The frame groups of a scene: the list of their frames, and the recipes of each.
 pub(crate) struct FrameGroups {
     list: Frozen,
     /// The frames of every group as planned: the list, with what it still lacks.
     planned: Vec<Names>,
     frames: Ingredients,
+    /// As units of casting.
     groups: Vec<Group>,
+    /// As units of looking.
+    looks: Vec<Group>,
+    /// The logarithm of each frame's gain, where it is known for the image that is there.
+    gains: Vec<Option<f32>>,
 }
 
 impl FrameGroups {
@@ -53,8 +60,9 @@ impl FrameGroups {
         ledger: &Ledger,
         scene: &LoadedScene,
         readable: &Readable,
+        light: &FrozenLight,
     ) -> Result<Self> {
-        FrameGroups::with(pipeline, ledger, scene, Frozen::open(store, ledger)?, Some(readable))
+        FrameGroups::with(pipeline, ledger, scene, Frozen::open(store, ledger)?, Some(readable), light)
     }
 
     /// The groups as a run would have them; nothing is changed. Without `readable`, frames that were left out stay so.
@@ -67,8 +75,9 @@ impl FrameGroups {
         ledger: &Ledger,
         scene: &LoadedScene,
         readable: Option<&Readable>,
+        light: &FrozenLight,
     ) -> Result<Self> {
-        FrameGroups::with(pipeline, ledger, scene, Frozen::read(store, ledger)?, readable)
+        FrameGroups::with(pipeline, ledger, scene, Frozen::read(store, ledger)?, readable, light)
     }
 
     fn with(
@@ -77,16 +86,71 @@ impl FrameGroups {
         scene: &LoadedScene,
         list: Frozen,
         readable: Option<&Readable>,
+        light: &FrozenLight,
     ) -> Result<Self> {
         let planned = list.groups(&scene.frames, pipeline.gather.group);
         let frames = Ingredients::of(&scene.frames, readable);
-        let groups = frames.groups(pipeline, ledger, scene, &planned)?;
-        Ok(FrameGroups { list, planned, frames, groups })
+        let (groups, looks, gains) = Default::default();
+        let mut all = FrameGroups { list, planned, frames, groups, looks, gains };
+        all.look(pipeline, ledger, scene, light)?;
+        all.cast(pipeline, ledger, scene, light)?;
+        Ok(all)
     }
 
-    /// The groups that have any frame, each with the recipe that it has now.
+    /// The groups that have any frame, as units of casting, each with the recipe that it has now.
     pub(crate) fn all(&self) -> &[Group] {
         &self.groups
+    }
+
+    /// The same groups as units of looking.
+    pub(crate) fn looks(&self) -> &[Group] {
+        &self.looks
+    }
+
+    /// What each frame's radiance is divided by.
+    pub(crate) fn gains(&self) -> Vec<f32> {
+        self.gains.iter().map(|log| log.map_or(1.0, f32::exp)).collect()
+    }
+
+    /// Gives the units of looking the recipes that they have now.
+    fn look(&mut self, pipeline: &Pipeline, ledger: &Ledger, scene: &LoadedScene, light: &FrozenLight) -> Result<()> {
+        let recipe = Recipe::new(PhaseName::Look, "")
+            .with("scene.mesh", scene.mesh_key)
+            .with(FORMAT, look::VERSION)
+            .with(PhaseName::Look.as_str(), light.sample_key())
+            .with_all(pipeline.ingredients(Effect::Cast));
+        let common = Common { recipe, gain: &|_| None };
+        self.looks = self.frames.groups(pipeline, ledger, scene, &self.planned, &common)?;
+        Ok(())
+    }
+
+    /// Gives the units of casting the recipes that they have now, with the gains that are known now.
+    ///
+    /// # Errors
+    /// A unit record that cannot be read.
+    pub(super) fn cast(
+        &mut self,
+        pipeline: &Pipeline,
+        ledger: &Ledger,
+        scene: &LoadedScene,
+        light: &FrozenLight,
+    ) -> Result<()> {
+        let recipe = Recipe::new(PhaseName::Cast, "")
+            .with("scene.mesh", scene.mesh_key)
+            .with(FORMAT, VERSION)
+            .with_all(pipeline.ingredients(Effect::Cast));
+        self.gains = vec![None; scene.frames.len()];
+        for group in &self.looks {
+            for id in &group.frames {
+                let name = &scene.frames[id.index()].name;
+                let gain = light.state().gains.get(name).filter(|gain| gain.image == image_in(&group.recipe, name));
+                self.gains[id.index()] = gain.map(|gain| gain.log);
+            }
+        }
+        let gains = &self.gains;
+        let common = Common { recipe, gain: &|id| gains[id.index()] };
+        self.groups = self.frames.groups(pipeline, ledger, scene, &self.planned, &common)?;
+        Ok(())
     }
 
     /// What was wrong with the list, if anything was.
@@ -95,8 +159,8 @@ impl FrameGroups {
     }
 
     /// Gives groups that were done the recipes of what was read, in place of what they had before.
-    pub(super) fn settle(&mut self, read: &BTreeMap<UnitName, Recipe>) {
-        for group in &mut self.groups {
+    pub(crate) fn settle(&mut self, read: &BTreeMap<UnitName, Recipe>) {
+        for group in self.groups.iter_mut().chain(&mut self.looks) {
             if let Some(recipe) = read.get(&group.recipe.unit()) {
                 group.recipe.clone_from(recipe);
             }
@@ -107,21 +171,60 @@ impl FrameGroups {
     ///
     /// # Errors
     /// A list that cannot be written, a unit record that cannot be read.
-    pub(super) fn freeze(&mut self, pipeline: &Pipeline, ledger: &Ledger, scene: &LoadedScene) -> Result<()> {
-        let frozen = self.list.freeze(&scene.frames, pipeline.gather.group)?;
-        if frozen != self.planned {
-            self.groups = self.frames.groups(pipeline, ledger, scene, &frozen)?;
-            self.planned = frozen;
-        }
-        Ok(())
+    pub(crate) fn freeze(
+        &mut self,
+        pipeline: &Pipeline,
+        ledger: &Ledger,
+        scene: &LoadedScene,
+        light: &FrozenLight,
+    ) -> Result<()> {
+        self.planned = self.list.freeze(&scene.frames, pipeline.gather.group)?;
+        self.look(pipeline, ledger, scene, light)
     }
 }
 
 impl Group {
+    /// The group as stages take it.
+    pub(crate) fn to_cast(&self) -> GroupFrames {
+        GroupFrames { recipe: self.recipe.clone(), frames: self.frames.clone() }
+    }
+
     /// The recipe of the group once these contents of its frames' files were read.
-    pub(super) fn read(recipe: &Recipe, all: &[Frame], contents: &[(FrameId, Contents)]) -> Recipe {
+    pub(crate) fn read(recipe: &Recipe, all: &[Frame], contents: &[(FrameId, Contents)]) -> Recipe {
         contents.iter().fold(recipe.clone(), |recipe, (id, contents)| with_contents(recipe, &all[id.index()], contents))
     }
+}
+
+/// What the recipes of all groups of a phase have in common.
+struct Common<'a> {
+    /// The recipe of a group without frames and number.
+    recipe: Recipe,
+    /// The logarithm of a frame's gain, where the group's unit depends on it.
+    gain: &'a dyn Fn(FrameId) -> Option<f32>,
+}
+
+impl Common<'_> {
+    fn phase(&self) -> PhaseName {
+        self.recipe.phase()
+    }
+
+    /// The recipe of a group of these frames, but for their files.
+    fn of(&self, number: &str, all: &[Frame], frames: &[FrameId]) -> Recipe {
+        let ingredients = self.recipe.ingredients().map(|(name, value)| (name.to_owned(), value.to_owned()));
+        let start = Recipe::new(self.phase(), number).with_all(ingredients);
+        frames.iter().fold(start, |recipe, &id| {
+            let frame = &all[id.index()];
+            with_pose(recipe, frame).with_or_without(ingredient(FrameInput::Gain, &frame.name), (self.gain)(id))
+        })
+    }
+}
+
+/// What the recipe of a group begins with.
+struct Start<'a> {
+    /// The recipe without the contents of files.
+    recipe: Recipe,
+    /// The units of the group that are done, whatever they are made of. Before there are any, files are not looked at.
+    done: &'a [UnitName],
 }
 
 /// The ingredients of every frame, found when they are asked for.
@@ -151,12 +254,12 @@ impl Ingredients {
         });
     }
 
-    /// The recipe of these frames beside what all groups have in `common`. `left_out` says which of them are too large.
-    fn recipe(&self, common: Recipe, all: &[Frame], some: &[FrameId], left_out: impl Fn(FrameId) -> bool) -> Recipe {
-        some.iter().fold(common, |recipe, &id| {
-            let recipe = with_pose(recipe, &all[id.index()]);
+    /// A recipe with the files of these frames, as far as the unit is begun. `left_out` says which of them are too large.
+    fn recipe(&self, start: &Start<'_>, all: &[Frame], some: &[FrameId], left_out: impl Fn(FrameId) -> bool) -> Recipe {
+        some.iter().fold(start.recipe.clone(), |recipe, &id| {
             let too_large = Contents::without(Content::TooLarge);
-            let contents = if left_out(id) { Some(&too_large) } else { self.contents[id.index()].get() };
+            let found = || self.contents[id.index()].get().filter(|_| !start.done.is_empty());
+            let contents = if left_out(id) { Some(&too_large) } else { found() };
             contents.map_or(recipe.clone(), |contents| with_contents(recipe, &all[id.index()], contents))
         })
     }
@@ -166,40 +269,42 @@ impl Ingredients {
     /// The files of a group of which nothing is done are not looked at: what they hold is known once they are read. A frame
     /// that is too large under this limit is left out of a group that is still to be done, and its group is done over under a
     /// limit that it fits. A group that has it already keeps it, whatever the limit is now.
-    fn groups(&self, pipeline: &Pipeline, ledger: &Ledger, scene: &LoadedScene, list: &[Names]) -> Result<Vec<Group>> {
-        let all = &scene.frames;
-        let groups = list.iter().enumerate().map(|(number, names)| (number.to_string(), posed(all, names)));
-        let groups: Vec<(String, Vec<FrameId>)> = groups.filter(|(_, frames)| !frames.is_empty()).collect();
-        let begun = groups.iter().filter(|(number, _)| !ledger.find(PhaseName::Cast, number).is_empty());
-        let begun: Vec<FrameId> = begun.flat_map(|(_, frames)| frames).copied().collect();
-        self.find(pipeline, all, &begun);
-        groups.into_iter().map(|(number, frames)| self.group(pipeline, ledger, scene, &number, frames)).collect()
-    }
-
-    fn group(
+    fn groups(
         &self,
         pipeline: &Pipeline,
         ledger: &Ledger,
         scene: &LoadedScene,
+        list: &[Names],
+        common: &Common<'_>,
+    ) -> Result<Vec<Group>> {
+        let all = &scene.frames;
+        let groups = list.iter().enumerate().map(|(number, names)| (number.to_string(), posed(all, names)));
+        let groups: Vec<(String, Vec<FrameId>)> = groups.filter(|(_, frames)| !frames.is_empty()).collect();
+        let begun = groups.iter().filter(|(number, _)| !ledger.find(common.phase(), number).is_empty());
+        let begun: Vec<FrameId> = begun.flat_map(|(_, frames)| frames).copied().collect();
+        self.find(pipeline, all, &begun);
+        groups.into_iter().map(|(number, frames)| self.group(ledger, all, common, &number, frames)).collect()
+    }
+
+    fn group(
+        &self,
+        ledger: &Ledger,
+        all: &[Frame],
+        common: &Common<'_>,
         number: &str,
         frames: Vec<FrameId>,
     ) -> Result<Group> {
-        let all = &scene.frames;
-        let common = || {
-            Recipe::new(PhaseName::Cast, number)
-                .with("scene.mesh", scene.mesh_key)
-                .with(FORMAT, VERSION)
-                .with_all(pipeline.ingredients(Effect::Cast))
-        };
-        let mut recipe = self.recipe(common(), all, &frames, |id| self.is_too_large(id));
+        let done = ledger.find(common.phase(), number);
+        let start = Start { recipe: common.of(number, all, &frames), done: &done };
+        let mut recipe = self.recipe(&start, all, &frames, |id| self.is_too_large(id));
         if !ledger.is_done(&recipe.unit()) {
-            for done in ledger.find(PhaseName::Cast, number) {
-                let done = ledger.recipe(&done)?;
+            for done in &done {
+                let done = ledger.recipe(done)?;
                 let still_left_out = |id: FrameId| {
                     let name = ingredient(FrameInput::Image, &all[id.index()].name);
                     done.ingredient(&name) == Some(TOO_LARGE) && (self.too_large.is_none() || self.is_too_large(id))
                 };
-                let kept = self.recipe(common(), all, &frames, still_left_out);
+                let kept = self.recipe(&start, all, &frames, still_left_out);
                 if kept == done {
                     recipe = kept;
                 }

@@ -1,4 +1,4 @@
-//! The ingredients that a frame is of its group's recipe: image, mask and pose.
+//! The ingredients that a frame is of its group's recipe: image, mask, pose and gain.
 
 use std::path::Path;
 
@@ -14,8 +14,12 @@ use crate::scene::frame::Frame;
 use crate::stages::decode::{Content, Contents};
 
 /// Each input of a frame, and how the names of its ingredients begin.
-pub(super) const INPUTS: [(FrameInput, &str); 3] =
-    [(FrameInput::Image, "image "), (FrameInput::Mask, "mask "), (FrameInput::Pose, "pose ")];
+pub(super) const INPUTS: [(FrameInput, &str); 4] = [
+    (FrameInput::Image, "image "),
+    (FrameInput::Mask, "mask "),
+    (FrameInput::Pose, "pose "),
+    (FrameInput::Gain, "gain "),
+];
 
 /// What stands for the content of a file that could not be read: its frame is skipped, and once it can be read the unit's
 /// recipe is another.
@@ -34,6 +38,12 @@ pub(super) fn ingredient(input: FrameInput, frame: &str) -> String {
 /// The frame and the input that an ingredient stands for, if it stands for one.
 pub(super) fn frame_input(ingredient: &str) -> Option<(FrameInput, &str)> {
     INPUTS.iter().find_map(|&(input, stem)| Some((input, ingredient.strip_prefix(stem)?)))
+}
+
+/// The content of a frame's image, as a recipe has it; empty where it was not read.
+pub(crate) fn image_in<'a>(recipe: &'a Recipe, frame: &str) -> &'a str {
+    let content = recipe.ingredient(&ingredient(FrameInput::Image, frame)).unwrap_or_default();
+    if [NOT_READ, TOO_LARGE].contains(&content) { "" } else { content }
 }
 
 /// The names of the frames that a unit was made of.

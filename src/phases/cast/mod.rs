@@ -9,7 +9,9 @@ mod readable;
 mod share;
 mod trial;
 
-pub(crate) use groups::{FrameGroups, opened_segments};
+pub(crate) use causes::causes;
+pub(crate) use groups::{FrameGroups, Group, opened_segments};
+pub(crate) use ingredients::image_in;
 pub(crate) use phase::Cast;
 pub(crate) use readable::Readable;
 pub(crate) use readable::pixels;

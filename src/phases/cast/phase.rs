@@ -17,6 +17,7 @@ use crate::phases::cause::Cause;
 use crate::phases::context::Context;
 use crate::phases::facts::{Facts, USUAL_BINS};
 use crate::phases::known::Known;
+use crate::phases::look::Look;
 use crate::phases::phase::Phase;
 use crate::phases::report::FrameCounts;
 use crate::phases::takes::{QUEUE, Takes};
@@ -39,18 +40,29 @@ impl Phase for Cast {
         PhaseName::Cast
     }
 
-    /// Groups are frozen before a unit of theirs is named.
+    /// Groups are frozen before a unit of theirs is named, and by now gains are known.
     fn prepare(&self, run: &mut Context<'_>) -> Result<()> {
         let (pipeline, ledger) = (run.pipeline, Arc::clone(&run.ledger));
         let surveyed = run.known.surveyed_mut()?;
         // Where another process froze other groups, their photographs are looked at, many at once.
-        pool::share(pipeline.run.threads(), || surveyed.groups.freeze(pipeline, &ledger, &surveyed.scene))?
+        pool::share(pipeline.run.threads(), || {
+            let (scene, light) = (&surveyed.scene, &surveyed.light);
+            if !Look::is_asked(pipeline) {
+                surveyed.groups.freeze(pipeline, &ledger, scene, light)?;
+            }
+            surveyed.groups.cast(pipeline, &ledger, scene, light)
+        })?
     }
 
-    fn units(&self, known: &Known<'_>, _: &dyn Store, _: &Ledger) -> Result<Units> {
+    fn units(&self, known: &Known<'_>, _: &dyn Store, ledger: &Ledger) -> Result<Units> {
         let unit = |group: &Group| Unit::new(group.recipe.clone()).weighing(group.frames.len() as u64);
-        let all = known.surveyed()?.groups.all().iter().map(unit).collect();
-        Ok(Units { noun: "frames", all, extent: Extent::Exact })
+        let surveyed = known.surveyed()?;
+        let all = surveyed.groups.all().iter().map(unit).collect();
+        // Before exposures are found for the first time, all is to come.
+        let waits = known.pipeline.solves_exposure() && surveyed.light.state().gains.is_empty();
+        let looked = surveyed.groups.looks().iter().all(|group| ledger.is_done(&group.recipe.unit()));
+        let extent = if waits && !looked { Extent::Renewed } else { Extent::Exact };
+        Ok(Units { noun: "frames", all, extent })
     }
 
     fn rotten(&self, store: &Arc<dyn Store>, ledger: &Ledger) -> Result<Vec<Rotten>> {
@@ -97,8 +109,7 @@ impl Phase for Cast {
         let groups: Vec<GroupFrames> = {
             let all = run.known.surveyed()?.groups.all();
             let find = |unit: &Unit| all.iter().find(|group| group.recipe == unit.recipe);
-            let frames = |group: &Group| GroupFrames { recipe: group.recipe.clone(), frames: group.frames.clone() };
-            to_do.iter().filter_map(find).map(frames).collect()
+            to_do.iter().filter_map(find).map(Group::to_cast).collect()
         };
         let (store, ledger, budget) = (Arc::clone(&run.store), Arc::clone(&run.ledger), run.budget.clone());
         let stop = run.stop.clone();
@@ -113,7 +124,9 @@ impl Phase for Cast {
         let replay = format!("gonio buffers {} --out frame.exr", quoted(&pipeline.file.to_string_lossy()));
         let decode = scene.decode(pipeline, &replay);
         let (tile, downscale) = (pipeline.cast.tile, pipeline.decode.downscale);
-        let cast = cast::Cast { frames: &scene.frames, mesh: &scene.mesh, bvh: &bvh, tile, downscale, piece };
+        let gains = surveyed.groups.gains();
+        let cast =
+            cast::Cast { frames: &scene.frames, mesh: &scene.mesh, bvh: &bvh, tile, downscale, piece, gains: &gains };
         // What a unit is made of is what was read of its files.
         let read = Mutex::new(BTreeMap::new());
         let commit = |group: &GroupFrames, contents: &[(FrameId, Contents)], files: Vec<FileEntry>| {
@@ -140,6 +153,8 @@ impl Phase for Cast {
         let cast = done.iter().map(|unit| unit.weight).sum();
         let mut frames = FrameCounts { total, cast, resumed: total - cast, skipped: 0 };
         let report = &mut run.report;
+        // What could not be looked at is told of here, once.
+        report.skipped.clear();
         for unit in &units.all {
             let files = run.ledger.files(&unit.name).unwrap_or_default();
             let tally = read_tally(&*run.store, &files)?;

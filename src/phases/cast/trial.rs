@@ -17,7 +17,7 @@ use rayon::prelude::*;
 
 use super::readable::Readable;
 use crate::base::Result;
-use crate::base::convert::to_u32;
+use crate::base::convert::{to_f32, to_u32};
 use crate::base::ids::{FrameId, TriangleId};
 use crate::flow::Map;
 use crate::phases::facts::Trial;
@@ -25,10 +25,11 @@ use crate::phases::scene::LoadedScene;
 use crate::pipeline::Pipeline;
 use crate::scene::Mesh;
 use crate::scene::frame::{Frame, LinearImage, Samples};
+use crate::scene::light::Sun;
 use crate::scene::view::{Tile, View};
 use crate::stages::cast::{Cast, tile_bytes};
 use crate::stages::decode::Decode;
-use crate::stages::light::SceneLight;
+use crate::stages::light::{SceneLight, SunAndSky};
 use crate::trace::Bvh;
 use crate::trace::hierarchy::{CHUNK, Chunks};
 
@@ -74,6 +75,7 @@ impl Cost {
 fn sum_up(reading: Cost, casting: Cost) -> Option<Trial> {
     let per_pixel = |cost: Cost| if cost.pixels > 0.0 { cost.seconds / cost.pixels } else { 0.0 };
     (casting.pixels > 0.0).then(|| Trial {
+        seconds_to_read: per_pixel(reading),
         seconds_per_pixel: per_pixel(reading) + per_pixel(casting),
         records_per_pixel: casting.records / casting.pixels,
         seconds_per_light: casting.lighting / casting.lit.max(1.0),
@@ -165,11 +167,11 @@ fn cast(
         }
     };
     let frames = std::slice::from_ref(frame);
-    let cast = Cast { frames, mesh, bvh, tile, downscale, piece: u64::MAX };
+    let cast = Cast { frames, mesh, bvh, tile, downscale, piece: u64::MAX, gains: &[1.0] };
     let one = |window: &Tile| -> Result<Cost> {
         let mut scratch = cast.scratch()?;
         let started = Instant::now();
-        let (rows, _) = cast.rows(&view, window.split(tile), image, &mut scratch, |_| Ok(()))?;
+        let (rows, _) = cast.rows(&view, window.split(tile), image, 1.0, &mut scratch, |_| Ok(()))?;
         let pixels = f64::from(window.width) * f64::from(window.height);
         let seconds = started.elapsed().as_secs_f64();
         Ok(Cost { seconds, pixels, records: rows.records.len() as f64, ..Cost::default() })
@@ -180,7 +182,10 @@ fn cast(
 
 /// Finds the light of some triangles.
 fn light(pipeline: &Pipeline, mesh: &Mesh, bvh: &Bvh) -> Cost {
-    let light = SceneLight::new(&pipeline.light, mesh, bvh, pipeline.scene.up);
+    // One sun takes as long as another, and where it stands need not be known yet.
+    let up = Vec3::from(pipeline.scene.up.map(to_f32)).normalize_or_zero();
+    let light = SunAndSky { sun: Sun { direction: up, color: Vec3::ONE }, sky: Vec3::ONE };
+    let light = SceneLight::new(pipeline.light.known().unwrap_or(light), mesh, bvh, pipeline.scene.up);
     let some = LIT.min(mesh.len());
     let started = Instant::now();
     (0..some).for_each(|i| {

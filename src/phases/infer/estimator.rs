@@ -6,6 +6,7 @@ use std::time::Instant;
 use glam::Vec3;
 
 use crate::base::{Error, Result, memory};
+use crate::config::Choice;
 use crate::model::{self, Estimate, Estimator, Fit};
 use crate::phases::facts::USUAL_BINS;
 use crate::pipeline::Pipeline;
@@ -13,12 +14,12 @@ use crate::scene::light::LocalLight;
 use crate::scene::reflectance::{Bin, BinSum, FRONT_BINS, Layout, SparseMap};
 use crate::stages::{infer, light};
 
-/// Loads the estimator. A network must take what scenes give.
+/// Loads the estimator, for a scene with a light or without one. A network must take what scenes give.
 ///
 /// # Errors
 /// A model or a library that cannot be used, a network that wants a light which is not known.
-pub(crate) fn load_estimator(pipeline: &Pipeline) -> Result<Box<dyn Estimator>> {
-    let method = pipeline.infer.estimator;
+pub(crate) fn load_estimator(pipeline: &Pipeline, lit: bool) -> Result<Box<dyn Estimator>> {
+    let method = pipeline.infer.estimator.settled(lit);
     let network = method.has_network().then(|| load_network(pipeline)).transpose()?;
     Ok(match network {
         Some(network) if method == infer::Method::Network => network,
@@ -30,11 +31,12 @@ fn load_network(pipeline: &Pipeline) -> Result<Box<dyn Estimator>> {
     let config = &pipeline.infer;
     let network = model::load(&config.model.source(), config.backend, config.library.as_deref())?;
     network.contract().require(Layout::Lobe)?;
-    if network.contract().light.wanted() && pipeline.light.mode == light::Mode::Unknown {
+    if network.contract().light.wanted() && pipeline.light.mode != light::Mode::Known {
         return Err(Error::invalid(format!(
-            "{} needs a known light, and [light] mode is \"unknown\": set [light] mode = \"known\", or choose a model without \
+            "{} needs a known light, and [light] mode is \"{}\": set [light] mode = \"known\", or choose a model without \
              a `light` input",
-            network.describe()
+            network.describe(),
+            pipeline.light.mode.name()
         )));
     }
     Ok(network)

@@ -59,7 +59,8 @@ impl Phase for Infer {
 
     fn units(&self, known: &Known<'_>, store: &dyn Store, ledger: &Ledger) -> Result<Units> {
         let all = recipes_of(known, store, ledger)?.into_iter().map(Unit::new).collect();
-        let cast = known.surveyed()?.groups.all().iter().all(|group| ledger.is_done(&group.recipe.unit()));
+        let groups = &known.surveyed()?.groups;
+        let cast = groups.all().iter().chain(groups.looks()).all(|group| ledger.is_done(&group.recipe.unit()));
         Ok(Units { noun: "shards", all, extent: if cast { Extent::Exact } else { Extent::AtLeast } })
     }
 
@@ -102,8 +103,9 @@ impl Phase for Infer {
         let share = needs.share(run.budget.left()).map_err(|missing| run.budget.missing("infer", missing))?;
         let _held = run.budget.reserve("infer", share.inferring)?;
         let (min_bins, batch) = (pipeline.infer.min_bins, pipeline.infer.batch as usize);
-        let bvh = estimator.contract().light.wanted().then(|| scene.bvh());
-        let light = bvh.as_ref().map(|bvh| SceneLight::new(&pipeline.light, &scene.mesh, bvh, pipeline.scene.up));
+        let light = run.known.light().filter(|_| estimator.contract().light.wanted());
+        let light = light.map(|light| (light, scene.bvh()));
+        let light = light.as_ref().map(|(light, bvh)| SceneLight::new(*light, &scene.mesh, bvh, pipeline.scene.up));
         let (stop, budget, ledger) = (run.stop.clone(), run.budget.clone(), Arc::clone(&run.ledger));
         let collected = Collected { segments: &segments, shards: &shards, budget: &budget, each: share.each() };
         let commit = |recipe: &Recipe, files| ledger.commit(recipe, files).map(drop);

@@ -38,15 +38,20 @@ pub(super) fn recipes_of(known: &Known<'_>, store: &dyn Store, ledger: &Ledger) 
     Ok(recipes(&blocks, shards, inferred_with(known, surveyed.scene.mesh_key)))
 }
 
-/// Adds what turns blocks into rows: the estimator, its engine, settings and formats. In a known light also that, and the mesh,
-/// which casts shadows.
+/// Adds what turns blocks into rows: the estimator, its engine, settings and formats. In a light also that, and the mesh, which
+/// casts shadows.
 fn inferred_with<'a>(known: &'a Known<'_>, mesh: Key) -> impl Fn(Recipe) -> Recipe + 'a {
     let (pipeline, estimator) = (known.pipeline, &*known.estimator);
     let (model, engine) = (estimator.key(), estimator.engine());
     let lit = estimator.contract().light.wanted();
+    let found = known.surveyed().ok().filter(|_| pipeline.estimates_light()).and_then(|s| s.light.light_key());
     move |recipe| {
-        let recipe =
-            if lit { recipe.with("scene.mesh", mesh).with_all(pipeline.ingredients(Effect::Light)) } else { recipe };
+        let recipe = if lit {
+            let recipe = recipe.with("scene.mesh", mesh).with_all(pipeline.ingredients(Effect::Light));
+            recipe.with_or_without(PhaseName::Light.as_str(), found)
+        } else {
+            recipe
+        };
         recipe
             .with("infer.model", model)
             .with("infer.backend", &engine)

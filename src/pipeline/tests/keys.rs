@@ -10,7 +10,7 @@ use crate::config::{Effect, Setting, Value, raw};
 use crate::pipeline::sections::{NEVER_CHANGE_A_RESULT, SECTIONS};
 
 /// Another value for every key.
-const OTHERS: [(&str, &str); 39] = [
+const OTHERS: [(&str, &str); 41] = [
     ("synth.into", "there"),
     ("synth.city.seed", "36"),
     ("synth.city.triangles", "6000"),
@@ -31,6 +31,7 @@ const OTHERS: [(&str, &str); 39] = [
     ("decode.transfer", "linear"),
     ("decode.gamma", "2.4"),
     ("decode.downscale", "2"),
+    ("decode.exposure", "as_is"),
     ("cast.tile", "64"),
     ("gather.group", "5"),
     ("infer.estimator", "fit"),
@@ -44,6 +45,7 @@ const OTHERS: [(&str, &str); 39] = [
     ("light.sun", "[1, 0, 0]"),
     ("light.color", "[1, 1, 0.5]"),
     ("light.sky", "[0.1, 0.1, 0.1]"),
+    ("light.white", "1.5"),
     ("export.formats", "[\"glb\"]"),
     ("run.work", "elsewhere"),
     ("run.memory", "3GiB"),
@@ -142,7 +144,9 @@ fn settings_are_the_keys() {
     let settings: BTreeSet<String> = pipeline.all_settings().into_iter().map(|setting| setting.key).collect();
     assert_eq!(settings, all_keys());
     // Whatever an effect asks for is there once.
-    for effect in [Effect::Cast, Effect::Infer, Effect::Light, Effect::Merge, Effect::Axes, Effect::Formats] {
+    for effect in
+        [Effect::Look, Effect::Cast, Effect::Infer, Effect::Light, Effect::Merge, Effect::Axes, Effect::Formats]
+    {
         let mut counts = BTreeMap::new();
         pipeline.ingredients(effect).for_each(|(key, _)| *counts.entry(key).or_insert(0) += 1);
         assert!(!counts.is_empty() && counts.values().all(|count| *count == 1), "{effect:?}: {counts:?}");

@@ -67,7 +67,7 @@ images = "photos"
 poses = { format = "colmpa", path = "mesh.ply" }
 [decode]
 transfer = 1
-exposure = "as_is"
+exposure = "as_was"
 [cast]
 tile = 33
 [gather]
@@ -99,7 +99,7 @@ x = 1
     p.toml:6:20: scene.poses.format: must be "colmap"; got "colmpa"; did you mean `colmap`?
     p.toml:6:37: scene.poses.path: must be a folder, and is a file; got mesh.ply; name the folder that holds cameras.bin and images.bin, or both as .txt: --set scene.poses.path=PATH
     p.toml:8:12: decode.transfer: must be a name: "srgb" or "linear" or "gamma"; got 1
-    p.toml:9:1: decode.exposure: no such key; the known ones are transfer, gamma, downscale; `exposure` is gone: all frames are taken to be exposed alike
+    p.toml:9:12: decode.exposure: must be "solve" or "as_is"; got "as_was"
     p.toml:11:8: cast.tile: must be a power of two, 8 to 256; got 33
     p.toml:13:9: gather.group: must not be negative; got -1
     p.toml:14:1: gather.shadow: no such key; the known ones are group; `shadow` is gone: observations in cast shadows count like all others
@@ -115,7 +115,7 @@ x = 1
     p.toml:27:11: run.threads: must lie in 0 to 1024; got 99999
     p.toml:28:2: trace: no such section; the known ones are synth, scene, decode, cast, gather, infer, merge, light, export, run
     --set takes section.key=value; got "cast=3"
-    --set light.mode: must be "unknown" or "known"; got "sun"
+    --set light.mode: must be "estimate" or "known" or "unknown"; got "sun"
     --set scene.masks: must be a path; got ""
     --set scene.up: must be a finite vector that is not zero, as [0, 0, 1]; got [0, 0, 0]
     "#);

@@ -77,7 +77,10 @@ impl Tried {
         let mask = image::GrayImage::from_fn(48, 32, |x, _| image::Luma([u8::from(x > 9)]));
         mask.save(dir.path().join("masks/frame_001.jpg.png")).unwrap();
         let text = fs::read_to_string(dir.path().join("p.toml")).unwrap();
-        fs::write(dir.path().join("p.toml"), text.replace("images = ", "masks = \"masks\"\nimages = ")).unwrap();
+        // Exposures and light stay as they were first found. So that all runs give the same, nothing is made of them.
+        let text = text.replace("images = ", "masks = \"masks\"\nimages = ");
+        let text = text.replace("[infer]", "[decode]\nexposure = \"as_is\"\n[infer]\nestimator = \"network\"");
+        fs::write(dir.path().join("p.toml"), text).unwrap();
         let mut tried = Tried { files: files(dir.path()), calls: 0, given: RefCell::default() };
         let folder = tried.folder();
         let counted = FaultyInput::below(folder.path(), Vec::new());

@@ -7,6 +7,7 @@
 mod faults;
 #[cfg(unix)]
 mod inputs;
+mod light;
 mod mock;
 #[cfg(target_os = "linux")]
 mod power;

@@ -230,7 +230,9 @@ fn without_a_sync_a_cut_costs_bytes() {
     let tried = Tried::new();
     let failures = |is_left_out: &dyn Fn(&Step) -> bool| -> Vec<String> {
         let steps: Vec<Step> = tried.steps.iter().filter(|step| !is_left_out(step)).cloned().collect();
-        let tries = (0..120_u64).map(|seed| (SmallRng::seed_from_u64(seed).random_range(0..=steps.len()), seed));
+        // The first steps take the folder: a few tries are theirs.
+        let last = |seed: u64| if seed.is_multiple_of(6) { steps.len().min(20) } else { steps.len() };
+        let tries = (0..120_u64).map(|seed| (SmallRng::seed_from_u64(seed).random_range(0..=last(seed)), seed));
         let left = tries.map(|(at, seed)| tried.cut(&steps[..at], &mut Loss::seeded(seed)));
         left.filter_map(|left| tried.survives(left.path()).err()).collect()
     };

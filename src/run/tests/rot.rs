@@ -165,7 +165,7 @@ fn a_run_that_is_not_finished_is_verified_as_far_as_it_is() {
     }
     let found = verified(&pipeline, &work, true).unwrap();
     assert!(found.is_sound() && !found.finished, "{found:?}");
-    assert_eq!(found.held.units, 5, "the cache, two groups, two shards");
+    assert_eq!(found.held.units, 8, "the cache, two groups that were looked at, the light, two groups, two shards");
     let segment = store.list("segments").unwrap().into_iter().find(|name| name.ends_with(".seg")).unwrap();
     Rot::Flipped.strike(&work.join(&segment), &work);
     let found = verified(&pipeline, &work, true).unwrap();
@@ -198,7 +198,7 @@ fn an_input_that_changed_is_named_with_what_was_made_of_it() {
         rot.strike(&frame, &frame);
         let (told, _) = changed(&pipeline);
         let [(input, unit, Cause::Frame { .. })] = &told[..] else { panic!("{rot:?}: {told:?}") };
-        assert_eq!((input, unit.as_str()), (&frame, "cast 1"), "{rot:?}");
+        assert_eq!((input, unit.as_str()), (&frame, "look 1"), "{rot:?}");
         fs::write(&frame, &whole).unwrap();
     }
     let poses = pipeline.scene.poses.path.join("images.bin");

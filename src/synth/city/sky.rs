@@ -6,9 +6,9 @@ use std::sync::Arc;
 
 use crate::base::{Array, Error, Result};
 use crate::disk::{Seal, Sealed, Store};
-use crate::render::sky_visibility;
 use crate::scene::Mesh;
 use crate::trace::Bvh;
+use crate::trace::sky_visibility;
 
 const SEAL: Seal = Seal { magic: *b"GONIOSKY", version: 1, kind: "share of the sky" };
 

@@ -5,11 +5,11 @@ use std::ops::Range;
 use glam::{DVec2, Vec3};
 use rayon::prelude::*;
 
+use super::{Bvh, Ray, parallel};
 use crate::base::convert::to_u32;
 use crate::base::ids::TriangleId;
 use crate::scene::Mesh;
 use crate::scene::brdf::radical_inverse;
-use crate::trace::{Bvh, Ray, parallel};
 
 /// Rays a triangle that find its share of the sky, unless a finer share is asked for.
 pub(crate) const SKY_RAYS: u32 = 32;

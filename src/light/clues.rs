@@ -1,0 +1,166 @@
+//! What the light is found from, prepared, and the answers to what is asked of it.
+
+use glam::Vec3;
+
+use super::comparison::Comparison;
+use super::decision::rises;
+use super::directions::elevation;
+use super::found::{Decision, Found, Spread};
+use super::gains::Gains;
+use super::observed::Sighting;
+use super::pairs::{Pair, pairs};
+use super::patches::{POINTS, Patches, Scene};
+use super::ratio::{Ratio, best};
+use super::scale;
+use super::search::{Candidate, search};
+use super::spread::spread;
+use crate::base::convert::to_f32;
+use crate::base::ids::TriangleId;
+
+/// What is given about the light.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Settings {
+    /// The radiance of a white surface that faces the sun, where it is known.
+    pub white: Option<f64>,
+}
+
+/// Pairs below which no light is told.
+const FEWEST_PAIRS: usize = 200;
+
+/// The least share of the sky of patches that tell the ratio.
+const OPEN: f32 = 0.3;
+
+/// Rounds in which white and the ratio are found in turn.
+const ROUNDS: usize = 3;
+
+/// What the light is found from, prepared.
+#[derive(Debug)]
+pub struct Clues<'a> {
+    patches: Patches<'a>,
+    pairs: Vec<Pair>,
+}
+
+/// Finds the light.
+pub fn find(
+    scene: &Scene<'_>,
+    sample: &[TriangleId],
+    sightings: &[Sighting],
+    gains: &Gains,
+    settings: &Settings,
+) -> Found {
+    Clues::new(scene, sample, sightings, gains).find(settings)
+}
+
+impl<'a> Clues<'a> {
+    /// Prepares what was seen of a sample.
+    pub fn new(scene: &Scene<'a>, sample: &[TriangleId], sightings: &[Sighting], gains: &Gains) -> Self {
+        let patches = Patches::new(scene, sample, sightings, gains);
+        let pairs = pairs(&patches);
+        Clues { patches, pairs }
+    }
+
+    /// Finds the light.
+    pub fn find(&self, settings: &Settings) -> Found {
+        if self.pairs.len() < FEWEST_PAIRS {
+            return self.nothing(settings);
+        }
+        let mut comparison = self.comparison(settings);
+        let (mut found, dome) = search(&mut comparison, &self.pairs);
+        let rises = rises(&comparison, &self.pairs, &found);
+        let decided = rises.decide(elevation(found.sun, self.patches.up));
+        found.ratio = self.ratio(&mut comparison, &found, settings);
+        let spread = spread(&comparison, &self.pairs, &mut found);
+        let told = Found { turned: to_f32(rises.turned.by), dome, spread, decided, ..self.nothing(settings) };
+        let told = Found { turned_sure: to_f32(rises.turned.sure), soft_sure: to_f32(rises.soft.sure), ..told };
+        if decided == Decision::NoSun {
+            let white = settings.white.map_or_else(|| scale::overcast(&comparison), to_f32);
+            return Found { white, sky: [white; 3], ..told };
+        }
+        self.lit(&found, comparison.white, told)
+    }
+
+    /// The light where the sun's direction is known: its ratio to the sky, and the scale. The sun is believed; what was seen
+    /// may speak against it all the same, and then it is doubtful.
+    pub fn under(&self, sun: Vec3, settings: &Settings) -> Found {
+        if self.pairs.len() < FEWEST_PAIRS {
+            return self.nothing(settings);
+        }
+        let mut comparison = self.comparison(settings);
+        let lit = self.patches.sun(sun, POINTS);
+        let (cost, ratio) = best(&comparison, &lit, &self.pairs);
+        comparison.fit_scales(&lit, ratio, &self.pairs);
+        let mut found = Candidate { sun, ratio, cost };
+        let rises = rises(&comparison, &self.pairs, &found);
+        found.ratio = self.ratio(&mut comparison, &found, settings);
+        let spread = spread(&comparison, &self.pairs, &mut found.clone());
+        let decided = match rises.decide(0.0) {
+            Decision::Sun => Decision::Sun,
+            _ => Decision::Doubtful,
+        };
+        let told = Found { turned: to_f32(rises.turned.by), spread, decided, ..self.nothing(settings) };
+        let told = Found { turned_sure: to_f32(rises.turned.sure), soft_sure: to_f32(rises.soft.sure), ..told };
+        self.lit(&found, comparison.white, told)
+    }
+
+    /// The cost of each of some suns, all by the scales of the first; the lowest is the likeliest.
+    pub fn costs(&self, suns: &[Vec3], settings: &Settings) -> Vec<f64> {
+        let mut comparison = self.comparison(settings);
+        let lit: Vec<Vec<f32>> = suns.iter().map(|sun| self.patches.sun(*sun, POINTS)).collect();
+        if let Some(first) = lit.first() {
+            let (_, ratio) = best(&comparison, first, &self.pairs);
+            comparison.fit_scales(first, ratio, &self.pairs);
+        }
+        lit.iter().map(|lit| best(&comparison, lit, &self.pairs).0).collect()
+    }
+
+    fn comparison(&self, settings: &Settings) -> Comparison<'_> {
+        let white = settings.white.map_or(1.0, to_f32);
+        Comparison { white, ..Comparison::new(&self.patches) }
+    }
+
+    /// The light of a sun.
+    fn lit(&self, found: &Candidate, white: f32, told: Found) -> Found {
+        let sun = Some(found.sun.as_dvec3().normalize().to_array());
+        Found { sun, color: [white; 3], sky: found.ratio.map(|ratio| ratio * white), white, ..told }
+    }
+
+    /// The ratio from patches that are wholly lit or wholly shaded and see the sky, and with it the scale.
+    fn ratio(&self, comparison: &mut Comparison<'_>, found: &Candidate, settings: &Settings) -> Ratio {
+        let lit = self.patches.sun(found.sun, POINTS);
+        let whole = |i: u32| {
+            let (patch, lit) = (&self.patches.all[i as usize], lit[i as usize]);
+            let cos = Vec3::from(patch.normal).dot(found.sun).max(0.0);
+            patch.sky > OPEN && (lit <= 0.01 * cos || lit >= 0.99 * cos)
+        };
+        let clear: Vec<Pair> = self.pairs.iter().copied().filter(|[i, j]| whole(*i) && whole(*j)).collect();
+        let pairs = if clear.len() < FEWEST_PAIRS { &self.pairs } else { &clear };
+        let mut ratio = found.ratio;
+        for _ in 0..ROUNDS {
+            ratio = best(comparison, &lit, pairs).1;
+            if settings.white.is_some() {
+                break;
+            }
+            comparison.white = scale::white(comparison, &lit, ratio);
+        }
+        ratio
+    }
+
+    /// What is told where too little was seen.
+    fn nothing(&self, settings: &Settings) -> Found {
+        let white = to_f32(settings.white.unwrap_or(1.0));
+        Found {
+            sun: None,
+            color: [0.0; 3],
+            sky: [white; 3],
+            spread: Spread { sun_degrees: 180.0, ratio: [f32::INFINITY; 3], scale: scale::SPREAD },
+            turned: 0.0,
+            turned_sure: 0.0,
+            soft_sure: 0.0,
+            white,
+            decided: Decision::TooLittle,
+            dome: Vec::new(),
+            triangles: self.patches.all.len(),
+            pairs: self.pairs.len(),
+        }
+    }
+}

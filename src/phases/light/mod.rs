@@ -1,0 +1,12 @@
+//! Light: how the frames are exposed, and the light that they were taken in. Both are frozen once they are found.
+
+mod file;
+mod found;
+mod frozen;
+mod phase;
+mod solve;
+
+pub(crate) use file::{DOME, LIGHT};
+pub(crate) use found::FoundLight;
+pub(crate) use frozen::{FrozenLight, end_light};
+pub(crate) use phase::Light;
