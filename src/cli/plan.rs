@@ -24,8 +24,9 @@ pub(super) fn plan(args: &Args) -> Answer {
 }
 
 /// The plan as lines of text.
-fn table(Foreseen { plan, space, city, estimator }: &Foreseen) -> String {
+fn table(Foreseen { plan, space, city, estimator, inputs }: &Foreseen) -> String {
     let mut lines = Lines::default();
+    inputs.iter().for_each(|line| lines.add(line.clone()));
     let i = &plan.facts;
     lines.row("frames", format!("{}, {} pixels", i.frames, short(i.pixels as f64)));
     lines.row("triangles", i.triangles.to_string());

@@ -42,4 +42,5 @@ pub use problem::{Position, Problem, Problems};
 pub(crate) use section::read_text;
 pub(crate) use section::{Section, defaults};
 pub(crate) use setting::{Effect, Setting, Settings};
+pub(crate) use value::FromToml;
 pub(crate) use value::outside;

@@ -2,12 +2,14 @@
 
 use super::context::Context;
 use super::facts::Facts;
+use super::inputs::Inputs;
 use super::known::{Known, Look};
 use super::phase::Phase;
 use super::takes::{BYTES_PER_SECOND, Takes};
 use super::units::{Unit, Units};
 use crate::base::{PhaseName, Result};
 use crate::disk::{Ledger, Store};
+use crate::flow::pool;
 use crate::pipeline::Pipeline;
 
 /// The phase. It keeps no units: what is made of the mesh is the next phase's.
@@ -38,6 +40,12 @@ impl Phase for Load {
             let (page, why, kept) = (&damage.page, &damage.why, damage.kept.join(", "));
             let kept = if kept.is_empty() { kept } else { format!(", which is now {kept}") };
             run.progress.note(format!("the list of frame groups is made over from {page} on{kept}: {why}"));
+        }
+        let casts = surveyed.groups.all().iter().any(|group| !ledger.is_done(&group.recipe.unit()));
+        if casts {
+            // Photographs that cannot be read are told of when they are skipped.
+            let inputs = pool::share(run.pipeline.run.threads(), || Inputs::of(run.pipeline, &surveyed.scene))?;
+            inputs.doubts.into_iter().for_each(|doubt| run.progress.note(doubt));
         }
         if let Some(damage) = surveyed.light.damage() {
             let (page, why, kept) = (&damage.page, &damage.why, damage.kept.join(", "));

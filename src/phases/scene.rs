@@ -4,6 +4,7 @@
 use std::sync::Arc;
 
 use super::cause::FORMAT;
+use super::inputs::find_photographs;
 use crate::base::ids::FrameId;
 use crate::base::input::Input;
 use crate::base::key::{Key, KeyBuilder};
@@ -14,10 +15,11 @@ use crate::cache::{self, Cached};
 use crate::codec::{meshes, poses};
 use crate::disk::Recipe;
 use crate::disk::{Ledger, Store};
-use crate::pipeline::Pipeline;
+use crate::pipeline::{Pipeline, UpFrom};
 use crate::scene::Mesh;
 use crate::scene::adjacency::Adjacency;
 use crate::scene::frame::Frame;
+use crate::scene::up::Upright;
 use crate::stages::decode::Decode;
 use crate::synth::city;
 use crate::trace::Bvh;
@@ -30,6 +32,8 @@ pub struct LoadedScene {
     pub mesh_key: Key,
     /// The posed frames, sorted by name.
     pub frames: Vec<Frame>,
+    /// What was assumed of the names of photographs.
+    pub assumed: Option<String>,
     /// What is mapped beside the mesh, if it is.
     cached: Option<Prepared>,
 }
@@ -110,6 +114,7 @@ impl LoadedScene {
                     mesh: city::mesh(&synth.city)?,
                     mesh_key: KeyBuilder::new("no file").finish(),
                     frames: city::frames(&synth.city),
+                    assumed: None,
                     cached: None,
                 })
             }
@@ -131,8 +136,16 @@ impl LoadedScene {
                 None => (key, meshes::read_from(&mut file, &may)?, None),
             })
         })?;
-        let frames = patience.with(|| poses::read(scene.poses.format, &scene.poses.path))?;
-        Ok(LoadedScene { mesh, mesh_key, frames, cached })
+        let mut frames = patience.with(|| poses::read(scene.poses.format, &scene.poses.path))?;
+        if let UpFrom::Cameras(found) = scene.up_from
+            && found != Upright::of(&frames)
+        {
+            let changed =
+                "the cameras tell another way up than a moment ago: they were changed, or could not be read; try again";
+            return Err(Error::io("read", &scene.poses.path)(std::io::Error::other(changed)));
+        }
+        let assumed = find_photographs(&mut frames, &scene.images);
+        Ok(LoadedScene { mesh, mesh_key, frames, assumed, cached })
     }
 
     /// Maps mesh, hierarchy and neighbours from the scene cache in place of what is held.

@@ -22,9 +22,13 @@ pub fn load(path: &Path, sets: &[OsString]) -> Result<Pipeline, Problems> {
     let mut refused = Faults::default();
     sets.iter().filter_map(|set| raw::set(&mut root, set).err()).for_each(|problem| refused.add(problem));
     let document = Document::new(&root, path.parent().unwrap_or(Path::new("")), refused);
-    let pipeline = read(&document, path);
+    let mut pipeline = read(&document, path);
     let faults = document.into_faults();
-    if faults.is_empty() { Ok(pipeline) } else { Err(faults.of_file(path)) }
+    if !faults.is_empty() {
+        return Err(faults.of_file(path));
+    }
+    pipeline.scene.find_up(pipeline.synth.is_some());
+    Ok(pipeline)
 }
 
 fn read(document: &Document<'_>, file: &Path) -> Pipeline {

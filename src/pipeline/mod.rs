@@ -17,6 +17,7 @@ mod tests;
 
 pub use load::load;
 pub use pipeline::Pipeline;
+pub(crate) use scene::UpFrom;
 #[cfg(test)]
 pub(crate) use sections::NEVER_CHANGE_A_RESULT;
 pub use template::template;

@@ -4,8 +4,11 @@ use std::path::PathBuf;
 
 use glam::DVec3;
 
+use crate::base::patience::Patience;
 use crate::codec::poses::{self, PoseFormat, Target};
-use crate::config::{Choice, Effect, Key, Keys, Leads, Problem, Section, Settings, Value};
+use crate::config::raw::Node;
+use crate::config::{Choice, Effect, FromToml, Key, Keys, Leads, Problem, Section, Settings, Value};
+use crate::scene::up::Upright;
 
 /// Section `[scene]`: the inputs. All paths are resolved.
 #[derive(Debug, Clone, PartialEq)]
@@ -18,8 +21,33 @@ pub struct Scene {
     pub masks: Option<PathBuf>,
     /// The way up in the mesh's coordinates; any length but 0.
     pub up: [f64; 3],
+    /// Where the way up is known from.
+    pub up_from: UpFrom,
     /// The cameras.
     pub poses: Poses,
+}
+
+/// Where the way up is known from.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum UpFrom {
+    /// The pipeline file, or a city that is made.
+    Given,
+    /// The cameras; `None` where their poses could not be read, which whoever reads them next finds too.
+    Cameras(Option<Upright>),
+}
+
+/// The way up, as a pipeline file has it.
+#[derive(Default)]
+struct Up(Option<[f64; 3]>);
+
+impl FromToml for Up {
+    fn from_toml(node: &Node) -> Result<Self, Problem> {
+        if node.text() == Some("auto") {
+            return Ok(Up(None));
+        }
+        let rule = |_| Problem::new("must be \"auto\" or a list of 3 numbers");
+        <[f64; 3]>::from_toml(node).map(|up| Up(Some(up))).map_err(rule)
+    }
 }
 
 /// Section `[scene.poses]`: the cameras.
@@ -59,8 +87,9 @@ impl Section for Scene {
         },
         Key {
             name: "up",
-            doc: "The way up in the mesh's coordinates. COLMAP's own coordinates are often rotated: give yours.",
-            value: Value::Default("[0.0, 0.0, 1.0]"),
+            doc: "The way up in the mesh's coordinates. \"auto\": the cameras tell it, since people hold them level; or a vector, \
+                  as [0.0, 0.0, 1.0].",
+            value: Value::Default("\"auto\""),
         },
         Key { name: "poses", doc: "The poses of the cameras.", value: Value::Section },
     ];
@@ -69,7 +98,8 @@ impl Section for Scene {
         let mesh = Leads::to_file("put the mesh there, a PLY or OBJ file, or name it: --set scene.mesh=PATH");
         let images = Leads::to_folder("put the photographs there, or name their folder: --set scene.images=PATH");
         let masks = Leads::to_folder("name the folder of masks, or take the key out if there are none");
-        let up: [f64; 3] = keys.value("up");
+        let Up(given) = keys.value("up");
+        let up = given.unwrap_or(USUAL);
         let length = DVec3::from(up).length_squared();
         let rule = "must be a finite vector that is not zero, as [0, 0, 1]";
         keys.check("up", length.is_finite() && length > 0.0, rule);
@@ -78,12 +108,13 @@ impl Section for Scene {
             images: keys.path("images", images),
             masks: keys.optional_path("masks", masks),
             up,
+            up_from: if given.is_some() { UpFrom::Given } else { UpFrom::Cameras(None) },
             poses: Poses::read(&keys.section("poses", Poses::OUTLINE)),
         }
     }
 
     fn settings(&self) -> Settings {
-        let Scene { mesh, images, masks, up, poses } = self;
+        let Scene { mesh, images, masks, up, up_from: _, poses } = self;
         Settings::of(Self::NAME)
             .with("mesh", mesh, Effect::Input)
             .with("images", images, Effect::Input)
@@ -93,6 +124,26 @@ impl Section for Scene {
             .with("up", up, Effect::Look)
             .with("up", up, Effect::Axes)
             .and(poses.settings())
+    }
+}
+
+/// The way up where nothing tells it.
+const USUAL: [f64; 3] = [0.0, 0.0, 1.0];
+
+impl Scene {
+    /// Finds the way up, unless it is given. A city that the pipeline makes has its own.
+    pub(super) fn find_up(&mut self, makes_city: bool) {
+        if self.up_from == UpFrom::Given {
+            return;
+        }
+        if makes_city {
+            self.up_from = UpFrom::Given;
+            return;
+        }
+        let read = || poses::read(self.poses.format, &self.poses.path);
+        let found = Patience::default().with(read).ok().and_then(|frames| Upright::of(&frames));
+        self.up = found.map_or(USUAL, |found| found.up);
+        self.up_from = UpFrom::Cameras(found);
     }
 }
 

@@ -11,5 +11,6 @@ mod verify;
 
 pub use execute::{find_light, run};
 pub use explain::{Explanation, PhaseExplanation, explain};
+pub(crate) use plan::inputs;
 pub use plan::{Foreseen, Plan, PlannedPhase, plan};
 pub(crate) use verify::{Verified, verify};

@@ -11,7 +11,7 @@ use crate::base::{Error, PhaseName, Result};
 use crate::disk::space::same_disk;
 use crate::disk::{DirStore, Ledger, MemStore, Space, Store};
 use crate::flow::pool;
-use crate::phases::{Facts, Known, Look, PHASES, Phase, Takes};
+use crate::phases::{Facts, Inputs, Known, LoadedScene, Look, Meshes, PHASES, Phase, Takes};
 use crate::pipeline::Pipeline;
 use crate::synth::city;
 
@@ -117,6 +117,8 @@ pub struct Foreseen {
     pub city: Option<Space>,
     /// The estimator, in words.
     pub estimator: String,
+    /// What is to be told of the inputs, a line each.
+    pub inputs: Vec<String>,
 }
 
 impl Foreseen {
@@ -146,13 +148,33 @@ pub(super) fn plan_phases(phases: &[&dyn Phase], pipeline: &Pipeline) -> Result<
     let (ledger, _) = pool::share(pipeline.run.threads(), read)??;
     let mut known = Known::new(pipeline)?;
     let refuses = |pipeline: &Pipeline, facts: &Facts| Plan::new(phases, pipeline, *facts).fits();
-    let facts = known.look(Look::Plan, &store, &ledger, &refuses)?.facts;
+    let surveyed = known.look(Look::Plan, &store, &ledger, &refuses)?;
+    let facts = surveyed.facts;
+    let inputs = if pipeline.is_made() { looked_at(pipeline, &surveyed.scene)?.lines() } else { Vec::new() };
     let plan = Plan::new(phases, pipeline, facts);
     let mut space = plan.space(phases, &*store, &ledger);
     let city = pipeline.synth.as_ref().map(|synth| city::space(&synth.into, &synth.city)).transpose()?.flatten();
     let beside = city.iter().filter(|city| same_disk(&city.folder, &space.folder));
     space.needs += beside.map(|city| city.needs).sum::<u64>();
-    Ok(Foreseen { plan, space, city, estimator: known.estimator.describe() })
+    Ok(Foreseen { plan, space, city, estimator: known.estimator.describe(), inputs })
+}
+
+/// Looks at the inputs of a run, without the mesh being held to any limit.
+///
+/// # Errors
+/// Mesh or poses that cannot be read.
+pub(crate) fn inputs(pipeline: &Pipeline) -> Result<Inputs> {
+    if !pipeline.is_made() {
+        return Ok(Inputs::default());
+    }
+    let store = MemStore::new();
+    let ledger = Ledger::read(Arc::new(store.clone()))?.0;
+    let scene = pool::share(pipeline.run.threads(), || LoadedScene::read(pipeline, &store, &ledger, Meshes::Any))??;
+    looked_at(pipeline, &scene)
+}
+
+fn looked_at(pipeline: &Pipeline, scene: &LoadedScene) -> Result<Inputs> {
+    pool::share(pipeline.run.threads(), || Inputs::of(pipeline, scene))
 }
 
 #[cfg(test)]

@@ -63,6 +63,11 @@ impl LinearImage {
         self.len() == 0
     }
 
+    /// The number of pixels that the mask does not ignore.
+    pub fn unmasked(&self) -> u64 {
+        self.mask.as_ref().map_or(self.len(), |mask| mask.iter().filter(|&&pixel| pixel != 0).count()) as u64
+    }
+
     /// The image without what this mask ignores either; masks have a byte a pixel.
     #[must_use]
     pub fn masked(self, mask: Option<Vec<u8>>) -> LinearImage {

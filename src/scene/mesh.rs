@@ -117,6 +117,28 @@ impl Mesh {
         self.normal(t).map(LobeFrame::new)
     }
 
+    /// What is to be said of a mesh whose file had large coordinates in single precision: they are rounded to steps that show.
+    pub fn coarse(&self) -> Option<String> {
+        let mut most = 0f64;
+        let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+        for &position in self.positions.iter() {
+            let at = self.origin + position.as_dvec3();
+            if at != at.as_vec3().as_dvec3() {
+                return None;
+            }
+            most = most.max(at.abs().max_element());
+            (low, high) = (low.min(position), high.max(position));
+        }
+        let largest = most.log2().floor();
+        let step = (largest - f64::from(f32::MANTISSA_DIGITS - 1)).exp2();
+        (step > 1e-5 * f64::from((high - low).max_element())).then(|| {
+            format!(
+                "the mesh has coordinates of up to {most:.1e} in single precision, which has steps of {step} there: write them as \
+                 double, or subtract an offset from mesh and poses"
+            )
+        })
+    }
+
     /// How many triangles have no area: they are kept, so that ids stay those of the file, and never hit.
     pub fn degenerate(&self) -> usize {
         TriangleId::all(self.len()).filter(|&t| self.normal(t).is_none()).count()
@@ -157,6 +179,19 @@ mod tests {
         let mesh = Mesh::new(&v, vec![[0, 1, 2], [0, 0, 1], [0, 1, 3]]).unwrap();
         assert_eq!(mesh.degenerate(), 2);
         assert!(mesh.lobe_frame(TriangleId(0)).is_none() && mesh.lobe_frame(TriangleId(2)).is_some());
+    }
+
+    #[test]
+    fn large_coordinates_in_single_precision_are_told() {
+        let utm = |step: f64| {
+            let corners =
+                [[0.0, 0.0], [80.0, 0.3], [0.7, 60.0]].map(|[x, y]| DVec3::new(545_000.0 + x, 5_812_000.0 + y, 90.5));
+            Mesh::new(&corners.map(|at| (at / step).round() * step), vec![[0, 1, 2]]).unwrap().coarse()
+        };
+        assert!(utm(0.5).unwrap().contains("5.8e6 in single precision, which has steps of 0.5"));
+        assert_eq!(utm(0.001), None);
+        let near = [DVec3::ZERO, DVec3::X * 100.0, DVec3::Y * 50.0];
+        assert_eq!(Mesh::new(&near, vec![[0, 1, 2]]).unwrap().coarse(), None);
     }
 
     #[test]

@@ -13,6 +13,7 @@ mod polygon;
 pub(crate) mod pose;
 pub(crate) mod reflectance;
 pub(crate) mod survey;
+pub(crate) mod up;
 pub(crate) mod view;
 
 pub use material::Material;

@@ -1,5 +1,9 @@
 //! Cast: a linear image becomes observations, one ray a pixel, tile by tile.
 
+use std::ops::AddAssign;
+
+use serde::{Deserialize, Serialize};
+
 use super::decode::{Contents, Decoded};
 use crate::base::Result;
 use crate::base::ids::{FrameId, TriangleId};
@@ -46,13 +50,40 @@ impl Section for Config {
 pub(crate) struct Seen {
     /// The records of what the frame saw.
     pub rows: Result<FrameRecords, Skipped>,
-    /// The frame and what was read of it, with the frame's last piece. That piece has the counts below; the others have
-    /// zeros.
+    /// The frame and what was read of it, with the frame's last piece.
     pub last: Option<(FrameId, Contents)>,
+    /// The counts of the frame, with its last piece; the others have zeros.
+    pub counts: Counts,
+}
+
+/// What is counted while frames are cast.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Counts {
     /// Rays cast.
     pub rays: u64,
+    /// Pixels that no mask ignores.
+    pub unmasked: u64,
     /// Pixels that saw a triangle from the front and count.
     pub observations: u64,
+    /// Pixels that saw a triangle from behind.
+    pub behind: u64,
+    /// Observations that are brighter than [`BRIGHT`].
+    pub bright: u64,
+}
+
+/// The radiance, linear, that little outdoors exceeds where white in the sun is 1: what is mostly brighter is scaled otherwise.
+const BRIGHT: f32 = 10.0;
+
+impl AddAssign for Counts {
+    fn add_assign(&mut self, more: Counts) {
+        let Counts { rays, unmasked, observations, behind, bright } = more;
+        self.rays += rays;
+        self.unmasked += unmasked;
+        self.observations += observations;
+        self.behind += behind;
+        self.bright += bright;
+    }
 }
 
 /// Casts every pixel of a frame onto the mesh.
@@ -92,8 +123,8 @@ pub(crate) fn tile_bytes(tile: u32) -> u64 {
 }
 
 impl Cast<'_> {
-    /// Casts the pixels of tiles of a frame with this gain. Hands records to `piece` whenever they take too much memory; gives the rest of the records
-    /// and the number of observations.
+    /// Casts the pixels of tiles of a frame with this gain. Hands records to `piece` whenever they take too much memory; gives
+    /// the rest of the records, and counts what was seen.
     pub(crate) fn rows(
         &self,
         view: &View,
@@ -102,9 +133,9 @@ impl Cast<'_> {
         gain: f32,
         scratch: &mut Scratch,
         mut piece: impl FnMut(FrameRecords) -> Result<()>,
-    ) -> Result<(FrameRecords, u64)> {
+    ) -> Result<(FrameRecords, Counts)> {
         let Scratch { rays, rows } = scratch;
-        let mut observations = 0;
+        let mut counts = Counts::default();
         // Neighbouring pixels mostly see one triangle, whose axes are worked out once.
         let mut last: Option<(TriangleId, LobeFrame)> = None;
         for tile in tiles {
@@ -121,12 +152,15 @@ impl Cast<'_> {
                         bin_of(towards),
                         BinSum::one(pixel.rgb.map(|value| value / gain), pixel.clipped),
                     );
-                    observations += 1;
+                    counts.observations += 1;
+                    counts.bright += u64::from(pixel.rgb.iter().any(|&value| value > BRIGHT));
+                } else {
+                    counts.behind += 1;
                 }
             }
             rows.end_tile().map_or(Ok(()), &mut piece)?;
         }
-        Ok((rows.finish(), observations))
+        Ok((rows.finish(), counts))
     }
 }
 
@@ -144,20 +178,20 @@ impl Map for Cast<'_> {
         let last = Some((frame, contents));
         let (image, memory) = match image {
             Ok(image) => image,
-            Err(skipped) => return out.send(Seen { rows: Err(skipped), last, rays: 0, observations: 0 }),
+            Err(skipped) => return out.send(Seen { rows: Err(skipped), last, counts: Counts::default() }),
         };
         let posed = &self.frames[frame.index()];
         let view = View::new(posed.camera.down_scaled(self.downscale), &posed.pose, self.mesh);
         let gain = self.gains[frame.index()];
-        let (rows, observations) = self.rows(&view, view.tiles(self.tile), &image, gain, scratch, |piece| {
+        let (rows, mut counts) = self.rows(&view, view.tiles(self.tile), &image, gain, scratch, |piece| {
             out.count_bytes(piece.bytes());
-            out.send(Seen { rows: Ok(piece), last: None, rays: 0, observations: 0 })
+            out.send(Seen { rows: Ok(piece), last: None, counts: Counts::default() })
         })?;
-        let rays = image.len() as u64;
+        (counts.rays, counts.unmasked) = (image.len() as u64, image.unmasked());
         // Only the records wait for their turn.
         drop((image, memory));
         out.count_bytes(rows.bytes());
-        out.send(Seen { rows: Ok(rows), last, rays, observations })
+        out.send(Seen { rows: Ok(rows), last, counts })
     }
 }
 

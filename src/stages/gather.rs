@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::cast::Seen;
+use super::cast::{Counts, Seen};
 use super::decode::Contents;
 use crate::base::ids::FrameId;
 use crate::base::{Error, Result};
@@ -70,10 +70,8 @@ pub(crate) const SEGMENTS: &str = "segments/";
 pub(crate) struct Tally {
     /// Frames in the group.
     pub frames: u64,
-    /// Rays cast.
-    pub rays: u64,
-    /// Front-facing pixels that saw a triangle.
-    pub observations: u64,
+    /// What was counted while they were cast.
+    pub counts: Counts,
     /// Records in the group's segment.
     pub records: u64,
     /// Frames that were skipped.
@@ -211,8 +209,7 @@ impl Fold for Gather<'_> {
     type Out = ();
 
     fn take(&mut self, seen: Seen, meter: &Meter) -> Result<()> {
-        self.tally.rays += seen.rays;
-        self.tally.observations += seen.observations;
+        self.tally.counts += seen.counts;
         match seen.rows {
             Ok(rows) => {
                 if !self.rows.is_empty() && self.rows.bytes_with(&rows) > self.memory.bytes() {
@@ -258,7 +255,11 @@ mod tests {
     fn seen(frame: u32, triangles: std::ops::Range<u32>) -> Seen {
         let mut rows = Accumulator::new(1 << 30);
         triangles.for_each(|t| rows.observe(TriangleId(t), (t + frame) as u16 % 50, BinSum::one([0.25; 3], false)));
-        Seen { rows: Ok(rows.finish()), last: Some(read(frame)), rays: 1000, observations: 300 }
+        Seen {
+            rows: Ok(rows.finish()),
+            last: Some(read(frame)),
+            counts: Counts { rays: 1000, observations: 300, ..Counts::default() },
+        }
     }
 
     fn read(frame: u32) -> (FrameId, Contents) {
@@ -333,10 +334,10 @@ mod tests {
     #[test]
     fn a_skipped_frame_is_in_the_tally_of_its_group() {
         let why = Skipped { item: "d.jpg".into(), why: "torn".into(), replay: "gonio".into() };
-        let last = Seen { rows: Err(why.clone()), last: Some(read(3)), rays: 0, observations: 0 };
+        let last = Seen { rows: Err(why.clone()), last: Some(read(3)), counts: Counts::default() };
         let (store, ledger) = gather(1 << 30, Some(last)).unwrap();
         let tally = read_tally(&*store, &ledger.files(&group([2, 3]).recipe.unit()).unwrap()).unwrap();
-        assert_eq!((tally.frames, tally.rays, tally.records), (2, 1000, 300));
+        assert_eq!((tally.frames, tally.counts.rays, tally.records), (2, 1000, 300));
         assert_eq!(tally.skipped, [why]);
     }
 

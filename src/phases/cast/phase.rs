@@ -12,7 +12,7 @@ use crate::base::ids::FrameId;
 use crate::base::shown::quoted;
 use crate::base::{Error, PhaseName, Result};
 use crate::disk::{Damage, FileEntry, Ledger, Recipe, Rotten, Store};
-use crate::flow::{Flow, pool};
+use crate::flow::{Flow, Skipped, pool};
 use crate::phases::cause::Cause;
 use crate::phases::context::Context;
 use crate::phases::facts::{Facts, USUAL_BINS};
@@ -23,7 +23,7 @@ use crate::phases::report::FrameCounts;
 use crate::phases::takes::{QUEUE, Takes};
 use crate::phases::units::{Extent, Unit, Units};
 use crate::pipeline::Pipeline;
-use crate::stages::cast;
+use crate::stages::cast::{self, Counts};
 use crate::stages::decode::Contents;
 use crate::stages::frames::Frames;
 use crate::stages::gather::{Gather, GroupFrames, SEGMENT, read_tally};
@@ -152,16 +152,17 @@ impl Phase for Cast {
         let total = units.all.iter().map(|unit| unit.weight).sum();
         let cast = done.iter().map(|unit| unit.weight).sum();
         let mut frames = FrameCounts { total, cast, resumed: total - cast, skipped: 0 };
-        let report = &mut run.report;
+        let (report, mut counts) = (&mut run.report, Counts::default());
         // What could not be looked at is told of here, once.
         report.skipped.clear();
         for unit in &units.all {
             let files = run.ledger.files(&unit.name).unwrap_or_default();
             let tally = read_tally(&*run.store, &files)?;
             if done.contains(unit) {
-                report.rays += tally.rays;
+                report.rays += tally.counts.rays;
             }
-            report.observations += tally.observations;
+            report.observations += tally.counts.observations;
+            counts += tally.counts;
             report.records += tally.records;
             let skipped = tally.skipped.len() as u64;
             frames.skipped += skipped;
@@ -173,11 +174,71 @@ impl Phase for Cast {
         report.frames = frames;
         report.skipped.sort();
         if report.observations == 0 {
-            return Err(Error::invalid(
-                "no pixel of any frame saw the mesh from the front: mesh and poses are most likely in different \
-                 coordinates, or the mesh's faces are turned inside out",
-            ));
+            return Err(Error::invalid(nothing_seen(total, &counts, &report.skipped)));
         }
+        doubts(&counts).into_iter().for_each(|doubt| run.progress.note(doubt));
         Ok(())
+    }
+}
+
+/// Why nothing was observed, as far as it can be told.
+fn nothing_seen(frames: u64, counts: &Counts, skipped: &[Skipped]) -> String {
+    if counts.rays == 0 {
+        let first = skipped.first().map(|first| format!(": {}: {}", first.item, first.why)).unwrap_or_default();
+        return format!("none of the {frames} photographs could be read{first}; `gonio check` looks at all of them");
+    }
+    if counts.unmasked == 0 {
+        return "the masks ignore every pixel of every photograph that was read: what is 0 in a mask, or clear, is ignored; \
+                are they inverted?"
+            .to_owned();
+    }
+    let also = if counts.behind > 0 {
+        "the mesh's faces are turned inside out: it was seen from behind alone"
+    } else {
+        "mesh and poses are most likely in different coordinates: no ray met the mesh"
+    };
+    format!("no pixel of any photograph saw the mesh from the front: {also}")
+}
+
+/// What makes the observations doubtful.
+fn doubts(counts: &Counts) -> Vec<String> {
+    let share = |part: u64, of: u64| part as f64 / of.max(1) as f64;
+    let behind = share(counts.behind, counts.behind + counts.observations);
+    let turned = (behind > 0.05).then(|| {
+        format!(
+            "{:.0}% of the pixels saw faces from behind, which count for nothing: some faces of the mesh are turned inside \
+             out; a program such as MeshLab orients them alike",
+            100.0 * behind
+        )
+    });
+    let bright = (share(counts.bright, counts.observations) > 0.5).then(|| {
+        "more than half of the pixels are brighter than 10, where a white surface in the sun should be about 1: scale the \
+         photographs, as from 0 to 255 to 0 to 1"
+            .to_owned()
+    });
+    turned.into_iter().chain(bright).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_went_wrong_gets_the_blame() {
+        let skipped = [Skipped { item: "a.jpg".into(), why: "images/a.jpg: torn".into(), replay: String::new() }];
+        let read = Counts { rays: 9, ..Counts::default() };
+        for (counts, words) in [
+            (Counts::default(), "none of the 3 photographs could be read: a.jpg: images/a.jpg: torn"),
+            (read, "masks ignore every pixel"),
+            (Counts { unmasked: 9, ..read }, "different coordinates"),
+            (Counts { unmasked: 9, behind: 4, ..read }, "inside out"),
+        ] {
+            let said = nothing_seen(3, &counts, &skipped);
+            assert!(said.contains(words) && (said.contains("coordinates") == words.contains("coordinates")), "{said}");
+        }
+        let seen = Counts { observations: 90, behind: 10, bright: 50, ..read };
+        assert_eq!(doubts(&seen).len(), 2);
+        assert!(doubts(&seen)[0].starts_with("10% of the pixels saw faces from behind"));
+        assert_eq!(doubts(&Counts { behind: 1, bright: 4, ..seen }), [""; 0]);
     }
 }

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use tempfile::TempDir;
 
 use super::{outputs, run_here};
-use crate::codec::images::{Curve, Size, Transfer, read_picture, size, to_srgb8, write_jpeg};
+use crate::codec::images::{Curve, Size, Transfer, read_image, size, to_srgb8, write_jpeg};
 use crate::codec::poses::colmap::{self, Encoding};
 use crate::codec::poses::{self, COLMAP};
 use crate::disk::{MemStore, Store};
@@ -53,7 +53,7 @@ fn off(sun: Option<[f64; 3]>) -> f64 {
 fn darken(image: &Path, by: f32) {
     let curve = Curve::new(Transfer::Srgb);
     let Size { width, height } = size(image).unwrap();
-    let found = read_picture(image, Size { width, height }, &curve, 1 << 30).unwrap();
+    let found = read_image(image, Size { width, height }, &curve, 1 << 30).unwrap();
     let pixel = |at| found.pixel(at).unwrap().rgb.map(|v| to_srgb8(v * by));
     write_jpeg(image, &(0..found.len()).map(pixel).collect::<Vec<_>>(), width, height, 98).unwrap();
 }

@@ -1,0 +1,176 @@
+//! What the names and headers of the inputs tell of a run beforehand.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::Path;
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::scene::LoadedScene;
+use crate::codec::images::{is_picture, mask_path};
+use crate::codec::poses;
+use crate::config::Choice;
+use crate::pipeline::{Pipeline, UpFrom};
+use crate::scene::frame::Frame;
+use crate::scene::up::Upright;
+use crate::stages::light::Mode;
+
+/// The most files that are listed of a folder of photographs.
+const MOST: usize = 1 << 20;
+
+/// How many names are told of many.
+const TOLD: usize = 3;
+
+/// What the inputs of a pipeline look like.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct Inputs {
+    /// The number of posed photographs.
+    pub frames: usize,
+    /// The photographs, or their masks, whose headers cannot be read, each with the reason.
+    pub unread: Vec<(String, String)>,
+    /// What is doubtful, a line each.
+    pub doubts: Vec<String>,
+}
+
+impl Inputs {
+    /// Looks at a scene's inputs: at the header of every photograph and mask.
+    pub(crate) fn of(pipeline: &Pipeline, scene: &LoadedScene) -> Inputs {
+        let decode = scene.decode(pipeline, "");
+        let unread: Vec<(String, String)> = scene
+            .frames
+            .par_iter()
+            .filter_map(|frame| decode.need(frame).err().map(|why| (frame.name.clone(), why.to_string())))
+            .collect();
+        let doubts = [
+            up(pipeline),
+            scene.assumed.clone(),
+            unposed(pipeline, scene),
+            masks(pipeline, scene),
+            scene.mesh.coarse(),
+            sun(pipeline),
+        ];
+        Inputs { frames: scene.frames.len(), unread, doubts: doubts.into_iter().flatten().collect() }
+    }
+
+    /// All that is to be told, a line each.
+    pub(crate) fn lines(&self) -> Vec<String> {
+        let Inputs { frames, unread, doubts } = self;
+        let told = unread.iter().take(TOLD).map(|(name, why)| format!("  {name}: {why}"));
+        let more = unread.len().saturating_sub(TOLD);
+        let head = match unread.len() {
+            0 => None,
+            all if all == *frames => Some(format!("none of the {frames} photographs can be read:")),
+            some => Some(format!("{some} of {frames} photographs cannot be read, and will be skipped:")),
+        };
+        let rest = (more > 0).then(|| format!("  and {more} more"));
+        head.into_iter().chain(told).chain(rest).chain(doubts.iter().cloned()).collect()
+    }
+}
+
+/// The pictures in a folder and below, by their names relative to it, sorted. A folder that cannot be read has none.
+fn pictures(folder: &Path) -> Vec<String> {
+    let (mut found, mut below) = (Vec::new(), vec![String::new()]);
+    while let Some(prefix) = below.pop() {
+        for entry in fs::read_dir(folder.join(&prefix)).into_iter().flatten().flatten() {
+            let (Ok(name), Ok(kind)) = (entry.file_name().into_string(), entry.file_type()) else { continue };
+            let name = if prefix.is_empty() { name } else { format!("{prefix}/{name}") };
+            if kind.is_dir() {
+                below.push(name);
+            } else if is_picture(Path::new(&name)) {
+                found.push(name);
+            }
+            if found.len() + below.len() >= MOST {
+                found.sort();
+                return found;
+            }
+        }
+    }
+    found.sort();
+    found
+}
+
+/// Gives frames whose photographs are not there the names of files that are theirs in all likelihood; tells what was assumed.
+pub(super) fn find_photographs(frames: &mut Vec<Frame>, images: &Path) -> Option<String> {
+    let missing: Vec<usize> = (0..frames.len()).filter(|&at| !images.join(&frames[at].name).exists()).collect();
+    if missing.is_empty() {
+        return None;
+    }
+    let named: BTreeSet<String> = frames.iter().map(|frame| frame.name.clone()).collect();
+    let files: Vec<String> = pictures(images).into_iter().filter(|file| !named.contains(file)).collect();
+    let names: Vec<&str> = missing.iter().map(|&at| frames[at].name.as_str()).collect();
+    let (alike, found) = poses::resolve(&names, &files)?;
+    let pairs: Vec<(usize, String)> =
+        missing.into_iter().zip(found).filter_map(|(at, file)| Some((at, file?.to_owned()))).collect();
+    let (first, file) = pairs.first()?;
+    let words = format!(
+        "{} of {} photographs are found {alike}: {} is taken for {}",
+        pairs.len(),
+        frames.len(),
+        images.join(file).display(),
+        frames[*first].name
+    );
+    pairs.into_iter().for_each(|(at, file)| frames[at].name = file);
+    frames.sort_by(|a, b| a.name.cmp(&b.name));
+    Some(words)
+}
+
+/// Tells of photographs without a pose.
+fn unposed(pipeline: &Pipeline, scene: &LoadedScene) -> Option<String> {
+    let posed: BTreeSet<&str> = scene.frames.iter().map(|frame| frame.name.as_str()).collect();
+    let files = pictures(&pipeline.scene.images);
+    let is_mask = |file: &str| pipeline.scene.masks.as_ref() == Some(&pipeline.scene.images) && file.contains("mask");
+    let without: Vec<&String> = files.iter().filter(|file| !posed.contains(file.as_str()) && !is_mask(file)).collect();
+    let first: Vec<&str> = without.iter().take(TOLD).map(|name| name.as_str()).collect();
+    let more = if without.len() > TOLD { ", ..." } else { "" };
+    (!without.is_empty()).then(|| {
+        format!(
+            "{} of {} photographs in the folder have no pose: {}{more}",
+            without.len(),
+            files.len(),
+            first.join(", ")
+        )
+    })
+}
+
+/// Tells of masks that are not there.
+fn masks(pipeline: &Pipeline, scene: &LoadedScene) -> Option<String> {
+    let (masks, images) = (pipeline.scene.masks.as_ref()?, &pipeline.scene.images);
+    let with =
+        scene.frames.par_iter().filter(|frame| matches!(mask_path(masks, images, &frame.name), Ok(Some(_)))).count();
+    let (all, first) =
+        (scene.frames.len(), scene.frames.iter().find(|f| !matches!(mask_path(masks, images, &f.name), Ok(Some(_))))?);
+    let stem = Path::new(&first.name).with_extension("");
+    let (name, stem, folder) = (&first.name, stem.display(), masks.display());
+    let head = if with == 0 {
+        "no photograph has a mask".to_owned()
+    } else {
+        format!("{with} of {all} photographs have a mask")
+    };
+    Some(format!(
+        "{head} in {folder}: for {name}, {name}.png, {stem}.png, {stem}_mask.png and {stem}.mask.png were looked for, as .jpg and .tif \
+         too; every pixel counts where there is none"
+    ))
+}
+
+/// Tells the way up that the cameras tell.
+fn up(pipeline: &Pipeline) -> Option<String> {
+    let UpFrom::Cameras(Some(Upright { up: [x, y, z], leans, sure })) = pipeline.scene.up_from else { return None };
+    let words = format!("up is [{x:.3}, {y:.3}, {z:.3}], as the cameras tell, whose rows lean by {leans:.1} degrees");
+    Some(if sure { words } else { format!("{words}: this is unsure, give [scene] up") })
+}
+
+/// Tells of a sun below the horizon.
+fn sun(pipeline: &Pipeline) -> Option<String> {
+    let (light, up) = (&pipeline.light, pipeline.scene.up);
+    let (sun, up) = (DVec3::from(light.sun).normalize_or_zero(), DVec3::from(up).normalize_or_zero());
+    let elevation = sun.dot(up).clamp(-1.0, 1.0).asin().to_degrees();
+    (light.mode == Mode::Known && elevation < 0.0).then(|| {
+        format!(
+            "[light] sun stands {:.0} degrees below the horizon, by [scene] up: sun points towards the sun, not from it, where mode = \
+             \"{}\"",
+            -elevation,
+            light.mode.name()
+        )
+    })
+}
