@@ -102,7 +102,7 @@ impl<'a> Clues<'a> {
         self.lit(&found, comparison.white, told)
     }
 
-    /// The cost of each of some suns, all by the scales of the first; the lowest is the likeliest.
+    /// The cost of each of some suns, by scales that they share; the lowest is the likeliest.
     pub fn costs(&self, suns: &[Vec3], settings: &Settings) -> Vec<f64> {
         let mut comparison = self.comparison(settings);
         let lit: Vec<Vec<f32>> = suns.iter().map(|sun| self.patches.sun(*sun, POINTS)).collect();

@@ -38,7 +38,7 @@ const LEAST_RISE: f64 = 0.1;
 
 /// Standard errors of the rise below which there is no sun, and below which the sun is doubtful.
 const TURNED: [f64; 2] = [3.0, 5.0];
-const SOFT: [f64; 2] = [-2.0, 1.0];
+const SOFT: [f64; 2] = [-3.0, 1.0];
 
 /// The highest sun that is not doubtful: under an overcast sky the best sun stands near the zenith.
 const HIGHEST_DEGREES: f32 = 78.0;
