@@ -45,7 +45,7 @@ pub(super) fn refined(
     for &step in steps {
         loop {
             let moved = |way: usize| -> Ratio {
-                let by = if way % 2 == 0 { step } else { 1.0 / step };
+                let by = if way.is_multiple_of(2) { step } else { 1.0 / step };
                 std::array::from_fn(|c| {
                     if way / 2 == 3 || way / 2 == c { (ratio[c] * by).clamp(LEAST, MOST) } else { ratio[c] }
                 })
