@@ -9,9 +9,9 @@ const FREEDOM: f32 = 1.5;
 /// The scales of differences between like materials.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Scales {
-    /// Of brightness.
+    /// The scale of differences of brightness.
     pub brightness: f64,
-    /// Of colour.
+    /// The scale of differences of colour.
     pub chroma: f64,
 }
 
