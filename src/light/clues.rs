@@ -13,7 +13,7 @@ use super::patches::{POINTS, Patches, Scene};
 use super::ratio::{Ratio, best};
 use super::scale;
 use super::search::{Candidate, search};
-use super::spread::spread;
+use super::spread::{UNKNOWN, spread};
 use crate::base::convert::to_f32;
 use crate::base::ids::TriangleId;
 
@@ -92,7 +92,7 @@ impl<'a> Clues<'a> {
         let mut found = Candidate { sun, ratio, cost };
         let rises = rises(&comparison, &self.pairs, &found);
         found.ratio = self.ratio(&mut comparison, &found, settings);
-        let spread = spread(&comparison, &self.pairs, &mut found.clone());
+        let spread = spread(&comparison, &self.pairs, &mut Candidate { ..found });
         let decided = match rises.decide(0.0) {
             Decision::Sun => Decision::Sun,
             _ => Decision::Doubtful,
@@ -102,7 +102,7 @@ impl<'a> Clues<'a> {
         self.lit(&found, comparison.white, told)
     }
 
-    /// The cost of each of some suns, all by the scales of the first; the lowest is the likeliest.
+    /// The cost of each of some suns, by scales that they share; the lowest is the likeliest.
     pub fn costs(&self, suns: &[Vec3], settings: &Settings) -> Vec<f64> {
         let mut comparison = self.comparison(settings);
         let lit: Vec<Vec<f32>> = suns.iter().map(|sun| self.patches.sun(*sun, POINTS)).collect();
@@ -152,7 +152,7 @@ impl<'a> Clues<'a> {
             sun: None,
             color: [0.0; 3],
             sky: [white; 3],
-            spread: Spread { sun_degrees: 180.0, ratio: [f32::INFINITY; 3], scale: scale::SPREAD },
+            spread: Spread { sun_degrees: 180.0, ratio: [UNKNOWN; 3], scale: scale::SPREAD },
             turned: 0.0,
             turned_sure: 0.0,
             soft_sure: 0.0,

@@ -1,5 +1,7 @@
 //! How well does a light explain what was seen: how much do the albedos of like patches differ under it?
 
+use std::f32::consts::FRAC_1_SQRT_2;
+
 use glam::Vec3A;
 
 use super::blocks::{BLOCKS, Sums};
@@ -102,7 +104,7 @@ pub(super) fn albedo(radiance: f32, ambient: f32, lit: f32, ratio: f32, white: f
 /// Log rgb turned to brightness and two axes of colour.
 fn turned(log: Vec3A) -> Vec3A {
     const BRIGHTNESS: Vec3A = Vec3A::splat(0.577_350_3);
-    const RED_GREEN: Vec3A = Vec3A::new(0.707_106_8, -0.707_106_8, 0.0);
+    const RED_GREEN: Vec3A = Vec3A::new(FRAC_1_SQRT_2, -FRAC_1_SQRT_2, 0.0);
     const YELLOW_BLUE: Vec3A = Vec3A::new(0.408_248_3, 0.408_248_3, -0.816_496_6);
     Vec3A::new(log.dot(BRIGHTNESS), log.dot(RED_GREEN), log.dot(YELLOW_BLUE))
 }

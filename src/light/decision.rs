@@ -21,6 +21,9 @@ pub(super) struct Rise {
     pub sure: f64,
 }
 
+/// More standard errors than this say no more.
+const SUREST: f64 = 99.0;
+
 /// Degrees between the rings of the spread sun.
 const SOFT_DEGREES: f32 = 10.0;
 
@@ -38,7 +41,7 @@ const LEAST_RISE: f64 = 0.1;
 
 /// Standard errors of the rise below which there is no sun, and below which the sun is doubtful.
 const TURNED: [f64; 2] = [3.0, 5.0];
-const SOFT: [f64; 2] = [-2.0, 1.0];
+const SOFT: [f64; 2] = [-3.0, 1.0];
 
 /// The highest sun that is not doubtful: under an overcast sky the best sun stands near the zenith.
 const HIGHEST_DEGREES: f32 = 78.0;
@@ -74,7 +77,8 @@ pub(super) fn rises(comparison: &Comparison<'_>, pairs: &[Pair], found: &Candida
         let all = pairs.len() as f64;
         let by = there.iter().zip(&here).map(|(there, here)| there - here).sum::<f64>() / all;
         let off = (0..BLOCKS).map(|b| (there[b] - here[b] - by * counts[b]).powi(2)).sum::<f64>();
-        Rise { by, sure: by * all / off.sqrt() }
+        // Where all blocks agree, the error is 0.
+        Rise { by, sure: (by * all / off.sqrt().max(f64::MIN_POSITIVE)).clamp(-SUREST, SUREST) }
     };
     let turns = [90.0, 180.0, 270.0].map(|degrees| turned(found.sun, comparison.patches.up, degrees));
     let turns = turns.map(|sun| rise(&comparison.patches.sun(sun, POINTS)));

@@ -34,11 +34,11 @@ pub struct Found {
 /// How sure a light is: standard deviations.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Spread {
-    /// Of the direction, degrees.
+    /// The deviation of the direction, degrees.
     pub sun_degrees: f32,
-    /// Of the logarithm of sky over sun, per channel.
+    /// The deviation of the logarithm of sky over sun, per channel.
     pub ratio: [f32; 3],
-    /// Of the logarithm of the scale: how far the convention may be from the truth.
+    /// The deviation of the logarithm of the scale: how far the convention may be from the truth.
     pub scale: f32,
 }
 

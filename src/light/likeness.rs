@@ -9,9 +9,9 @@ const FREEDOM: f32 = 1.5;
 /// The scales of differences between like materials.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Scales {
-    /// Of brightness.
+    /// The scale of differences of brightness.
     pub brightness: f64,
-    /// Of colour.
+    /// The scale of differences of colour.
     pub chroma: f64,
 }
 
@@ -55,5 +55,35 @@ impl Scales {
             }
         }
         (self, cost)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::light::draw::unit;
+
+    #[test]
+    fn products_cost_what_logarithms_do() {
+        let squares: Vec<[f32; 2]> =
+            (0..1003).map(|k| [unit(1, k), unit(2, k)].map(|u| (10.0 * u).exp() as f32)).collect();
+        let scales = Scales { brightness: 0.5, chroma: 0.05 };
+        let one = |[b, c]: &[f32; 2]| (1.0 + (f64::from(*b) / 0.25 + f64::from(*c) / 0.0025) / 1.5).ln();
+        let mean = squares.iter().map(one).sum::<f64>() / 1003.0;
+        let wanted = 2.25 * mean + 0.5f64.ln() + 2.0 * 0.05f64.ln();
+        assert!((scales.cost(squares.iter().copied()) - wanted).abs() < 1e-4);
+        assert!(scales.cost([[f32::INFINITY; 2]; 20].into_iter()).is_finite());
+    }
+
+    #[test]
+    fn scales_are_those_of_the_differences() {
+        let square = |k: u64| [0.3 * unit(3, k), 0.04 * unit(4, k)].map(|d| (d * d) as f32);
+        let squares: Vec<[f32; 2]> = (0..4000).map(square).collect();
+        let (found, cost) = Scales::FIRST.fitted(&squares);
+        assert!(cost <= Scales::FIRST.cost(squares.iter().copied()));
+        let doubled: Vec<[f32; 2]> = squares.iter().map(|square| square.map(|s| 4.0 * s)).collect();
+        let (other, _) = Scales::FIRST.fitted(&doubled);
+        assert!((other.brightness / found.brightness - 2.0).abs() < 0.1, "{found:?} {other:?}");
+        assert!((other.chroma / found.chroma - 2.0).abs() < 0.1, "{found:?} {other:?}");
     }
 }

@@ -1,6 +1,6 @@
 //! Which exposure and which light were the photographs taken in? Found from what frames saw of a sample of triangles.
 //!
-//! - [`gains`]: one factor a frame, from triangles that several frames see.
+//! - [`gains()`]: one factor a frame, from triangles that several frames see.
 //! - [`find`]: the sun's direction and the ratio of sky to sun, from pairs of triangles that are alike but for their light:
 //!   under the right light their albedos agree. The scale is a convention, since a brighter sun and whiter walls look the same.
 //!

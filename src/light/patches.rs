@@ -37,13 +37,13 @@ const DARKEST: f32 = 0.003;
 /// One sampled triangle.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Patch {
-    /// Its normal.
+    /// The unit normal.
     pub normal: Vec3A,
-    /// Its middle.
+    /// The centroid.
     pub middle: Vec3,
     /// The points that rays leave from, off the surface.
     pub points: [Vec3; POINTS],
-    /// Its area.
+    /// The area.
     pub area: f32,
     /// The cosine-weighted share of the sky that it sees.
     pub sky: f32,

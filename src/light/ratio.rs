@@ -30,7 +30,7 @@ pub(super) fn best_grey(
 pub(super) fn best(comparison: &Comparison<'_>, lit: &[f32], pairs: &[Pair]) -> (f64, Ratio) {
     let costs: Vec<f64> = GREYS.par_iter().map(|grey| comparison.cost(lit, [*grey; 3], pairs)).collect();
     let grey = (1..GREYS.len()).fold(0, |best, i| if costs[i] < costs[best] { i } else { best });
-    refined(comparison, lit, pairs, (costs[grey], [GREYS[grey]; 3]), &[1.5, 1.2, 1.08, 1.03])
+    refined(comparison, lit, pairs, (costs[grey], [GREYS[grey]; 3]), &[1.5, 1.2, 1.08, 1.03, 1.01])
 }
 
 /// The best ratio near one of known cost.
@@ -45,7 +45,7 @@ pub(super) fn refined(
     for &step in steps {
         loop {
             let moved = |way: usize| -> Ratio {
-                let by = if way % 2 == 0 { step } else { 1.0 / step };
+                let by = if way.is_multiple_of(2) { step } else { 1.0 / step };
                 std::array::from_fn(|c| {
                     if way / 2 == 3 || way / 2 == c { (ratio[c] * by).clamp(LEAST, MOST) } else { ratio[c] }
                 })

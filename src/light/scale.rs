@@ -19,9 +19,14 @@ const LIT: f32 = 0.2;
 /// The least share of the sky that a patch sees, where the sky is all its light.
 const OPEN: f32 = 0.3;
 
-/// The radiance of a white surface that faces the sun, if lit surfaces are as white as surfaces mostly are.
+/// The factor by which scenes' upper quantiles of albedo differ: within it, photographs are taken at their word.
+const USUAL: f32 = 1.35;
+
+/// The radiance of a white surface that faces the sun. It is the photographs' own white, 1, if that makes lit surfaces about as
+/// white as surfaces mostly are, else the radiance that makes them so.
 pub(super) fn white(comparison: &Comparison<'_>, lit: &[f32], ratio: Ratio) -> f32 {
-    of_patches(comparison, lit, ratio, |_, lit| lit > LIT)
+    let found = of_patches(comparison, lit, ratio, |_, lit| lit > LIT);
+    if (1.0 / USUAL..USUAL).contains(&found) { 1.0 } else { found }
 }
 
 /// The radiance of a white surface under the whole sky, where there is no sun.

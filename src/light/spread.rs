@@ -29,6 +29,9 @@ const WITHIN_CELL: f32 = 0.4;
 /// The step of log ratio by which slopes are found.
 const SLOPE: f32 = 0.05;
 
+/// The spread of a logarithm of which nothing is known: a factor of twenty.
+pub(super) const UNKNOWN: f32 = 3.0;
+
 /// The spread of a light. The sun becomes the mean over the scenes that are drawn, which is steadier than the best of one.
 pub(super) fn spread(comparison: &Comparison<'_>, pairs: &[Pair], found: &mut Candidate) -> Spread {
     let blocks = blocks(comparison.patches, pairs);
@@ -62,7 +65,7 @@ pub(super) fn spread(comparison: &Comparison<'_>, pairs: &[Pair], found: &mut Ca
         // The blocks' slopes at the least cost against its curvature.
         let slopes = less.iter().zip(&more).map(|(less, more)| ((more - less) / 2.0).powi(2)).sum::<f64>();
         let curvature = (0..BLOCKS).map(|b| more[b] + less[b] - 2.0 * here[b]).sum::<f64>();
-        if curvature > 0.0 { to_f32(slopes.sqrt() / curvature) * SLOPE } else { f32::INFINITY }
+        if curvature > 0.0 { (to_f32(slopes.sqrt() / curvature) * SLOPE).min(UNKNOWN) } else { UNKNOWN }
     });
     found.sun = mean;
     Spread { sun_degrees: off, ratio, scale: scale::SPREAD }

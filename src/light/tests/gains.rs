@@ -42,6 +42,7 @@ fn frames_in_any_order_of_rows_give_the_same_bits() {
     let gain = |frame: u32| 1.0 + 0.1 * (frame % 3) as f32;
     let mut seen = flight(20, gain, 0.1);
     let found = gains(&seen, 20, &[]);
+    assert!(found.log.iter().all(Option::is_some), "every frame is tied");
     seen.reverse();
     assert_eq!(gains(&seen, 20, &[]), found);
 }
@@ -81,6 +82,7 @@ fn clipped_dark_and_broken_sightings_tell_nothing() {
     let gain = |frame: u32| 1.0 + 0.2 * (frame % 2) as f32;
     let mut seen = flight(12, gain, 0.0);
     let clean = gains(&seen, 12, &[]);
+    assert!(clean.log.iter().all(Option::is_some), "every frame is tied");
     for (mean, clipped) in [([0.9; 3], 20), ([0.001; 3], 0), ([f32::NAN; 3], 0), ([f32::INFINITY; 3], 0)] {
         seen.extend((0..300).map(|sample| Sighting { frame: 5, sample, pixels: 40, clipped, mean, radius2: 0.0 }));
     }

@@ -4,6 +4,7 @@ use glam::{DVec3, Vec3};
 
 use crate::base::ids::TriangleId;
 use crate::light::Sighting;
+use crate::light::directions::rings;
 use crate::light::draw::unit;
 use crate::scene::Mesh;
 use crate::trace::{Bvh, Shares};
@@ -48,11 +49,14 @@ pub(super) struct Light {
     pub color: f32,
     /// Radiance of the sky.
     pub sky: [f32; 3],
+    /// Half the angle that the sun is spread over, degrees.
+    pub cap: f32,
 }
 
 /// What five frames see of the sample: surfaces of one albedo a house and kind, with a tenth of noise.
 pub(super) fn seen(mesh: &Mesh, bvh: &Bvh, sample: &[TriangleId], light: &Light) -> Vec<Sighting> {
     let shares = Shares::new(mesh, 256);
+    let suns = if light.cap > 0.0 { rings(light.sun, light.cap / 3.0, 3) } else { vec![light.sun] };
     let mut rows = Vec::new();
     for (at, &t) in sample.iter().enumerate() {
         let normal = mesh.normal(t).unwrap();
@@ -60,7 +64,8 @@ pub(super) fn seen(mesh: &Mesh, bvh: &Bvh, sample: &[TriangleId], light: &Light)
         let plot = ((a + b + c) / 60.0).truncate().floor().as_uvec2();
         let kind = if normal.z > 0.99 { 7 } else { u64::from(plot.x * 100 + plot.y) * 8 + u64::from(normal.z > 0.1) };
         let kd: [f32; 3] = std::array::from_fn(|c| 0.12 + 0.25 * unit(kind, c as u64) as f32);
-        let sun = light.color * shares.sun(mesh, bvh, light.sun, t) * normal.dot(light.sun).max(0.0);
+        let sun = |sun: &Vec3| shares.sun(mesh, bvh, *sun, t) * normal.dot(*sun).max(0.0);
+        let sun = light.color * suns.iter().map(sun).sum::<f32>() / suns.len() as f32;
         let sky = shares.sky(mesh, bvh, Vec3::Z, t);
         for frame in 0..5u32 {
             let noise = |c: usize| 1.0 + 0.1 * (unit(9 + u64::from(frame), (3 * at + c) as u64) as f32 - 0.5);
