@@ -27,7 +27,7 @@ pub(super) struct Args {
 /// Finds exposures and light of a pipeline's photographs and shows them.
 pub(super) fn light(args: &Args) -> Answer {
     let pipeline = args.pipeline.load()?;
-    if !pipeline.solves_exposure() && !pipeline.estimates_light() {
+    if !pipeline.is_looked_at() {
         let words = "nothing is to be found: set [light] mode = \"estimate\" or [decode] exposure = \"solve\"";
         return Err(Error::invalid(words).into());
     }
