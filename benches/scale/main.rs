@@ -76,9 +76,9 @@ fn main() -> io::Result<()> {
         return Ok(());
     };
     println!(
-        "| triangles | frames | city | load | build | cast | infer | merge | export | all | peak memory | disk | the costliest kill |"
+        "| triangles | frames | city | load | build | look | light | cast | infer | merge | export | all | peak memory | disk | the costliest kill |"
     );
-    println!("|---|---|---|---|---|---|---|---|---|---|---|---|---|");
+    println!("|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|");
     let told = |figures: Value| {
         println!("{}", row(&figures));
         let Some(out) = &options.out else { return Ok(()) };
@@ -193,7 +193,10 @@ fn row(figures: &Value) -> String {
     let most = lost.into_iter().flatten().filter_map(Value::as_f64).reduce(f64::max);
     let mut cells =
         vec![figures["triangles"].to_string(), figures["frames"].to_string(), seconds(&figures["city_seconds"])];
-    cells.extend(["load", "build", "cast", "infer", "merge", "export"].map(|name| seconds(&run["phases"][name])));
+    cells.extend(
+        ["load", "build", "look", "light", "cast", "infer", "merge", "export"]
+            .map(|name| seconds(&run["phases"][name])),
+    );
     cells.extend([seconds(&run["seconds"]), mib(&run["peak"]), mib(&figures["disk"])]);
     cells.push(seconds(&json!(most)));
     format!("| {} |", cells.join(" | "))

@@ -13,6 +13,7 @@ mod entry;
 mod eval;
 mod explain;
 mod export;
+mod found;
 mod inspect;
 mod light;
 mod out_of_memory;

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::light;
+use super::found;
 use super::print::{Lines, clock, short};
 use crate::base::units::Bytes;
 use crate::phases::{Report, StageReport};
@@ -35,7 +35,7 @@ pub(super) fn table(report: &Report) -> String {
         }
     }
     lines.row("triangles", format!("{} ({triangles})", t.total));
-    light::rows(&mut lines, report);
+    found::rows(&mut lines, report);
     lines.row("estimator", report.backend.clone());
     lines.row("memory", format!("{} lent at most", Bytes(report.memory_peak)));
     lines.row("time", clock(report.seconds));

@@ -73,6 +73,11 @@ impl Pipeline {
         self.light.mode == light::Mode::Estimate
     }
 
+    /// Whether frames are looked at before they are cast, to find exposures or the light.
+    pub fn is_looked_at(&self) -> bool {
+        self.solves_exposure() || self.estimates_light()
+    }
+
     /// Every setting of every section.
     pub fn all_settings(&self) -> Vec<Setting> {
         let Pipeline { file: _, synth, scene, decode, cast, gather, infer, merge, light, export, run } = self;

@@ -65,8 +65,8 @@ fn no_thread_runs_beside_those_that_were_asked_for() {
         // A pool that rayon starts by itself has threads without names of their own.
         assert!(most["gonio"] <= asked + 8, "{command}: {most:?}");
         let known = [
-            "all", "cast", "deadline", "decode", "frames", "gather", "gonio", "infer", "keep", "progress", "rten",
-            "shards", "share",
+            "all", "cast", "deadline", "decode", "frames", "gather", "gonio", "infer", "keep", "look", "progress",
+            "rten", "shards", "share",
         ];
         assert!(most.keys().all(|name| known.contains(&name.as_str())), "{command}: {most:?}");
     }

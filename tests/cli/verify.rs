@@ -56,7 +56,7 @@ fn what_is_set_is_what_is_verified_and_a_run_that_broke_off_is_too() {
     flip(&image);
     gonio(&dir, "verify p.toml --set run.work=other").ends(0);
     let said = gonio(&dir, "verify p.toml --set run.work=other --inputs");
-    said.ends(1).says("frame_004.jpg (cast 0): the image of frame_004.jpg changed").says("1 changed: put it back");
+    said.ends(1).says("frame_004.jpg (look 0): the image of frame_004.jpg changed").says("1 changed: put it back");
     fs::remove_file(dir.path().join("other/report.json")).unwrap();
     gonio(&dir, "verify p.toml --set run.work=other")
         .ends(0)

@@ -102,7 +102,7 @@ impl FrameGroups {
         &self.groups
     }
 
-    /// The same groups as units of looking.
+    /// The same groups as units of looking; none where nothing is to be found by that.
     pub(crate) fn looks(&self) -> &[Group] {
         &self.looks
     }
@@ -114,6 +114,10 @@ impl FrameGroups {
 
     /// Gives the units of looking the recipes that they have now.
     fn look(&mut self, pipeline: &Pipeline, ledger: &Ledger, scene: &LoadedScene, light: &FrozenLight) -> Result<()> {
+        if !pipeline.is_looked_at() {
+            self.looks.clear();
+            return Ok(());
+        }
         let recipe = Recipe::new(PhaseName::Look, "")
             .with("scene.mesh", scene.mesh_key)
             .with(FORMAT, look::VERSION)

@@ -17,7 +17,6 @@ use crate::phases::cause::Cause;
 use crate::phases::context::Context;
 use crate::phases::facts::{Facts, USUAL_BINS};
 use crate::phases::known::Known;
-use crate::phases::look::Look;
 use crate::phases::phase::Phase;
 use crate::phases::report::FrameCounts;
 use crate::phases::takes::{QUEUE, Takes};
@@ -47,7 +46,7 @@ impl Phase for Cast {
         // Where another process froze other groups, their photographs are looked at, many at once.
         pool::share(pipeline.run.threads(), || {
             let (scene, light) = (&surveyed.scene, &surveyed.light);
-            if !Look::is_asked(pipeline) {
+            if !pipeline.is_looked_at() {
                 surveyed.groups.freeze(pipeline, &ledger, scene, light)?;
             }
             surveyed.groups.cast(pipeline, &ledger, scene, light)

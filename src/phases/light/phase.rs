@@ -68,7 +68,7 @@ impl Phase for Light {
 
     fn takes(&self, pipeline: &Pipeline, facts: &Facts) -> Option<Takes> {
         let rows = MOST.min(facts.frames * facts.triangles.min(TRIANGLES as u64));
-        Look::is_asked(pipeline).then(|| Takes {
+        pipeline.is_looked_at().then(|| Takes {
             held: held(rows),
             held_for: "what the frames saw of the triangles that were looked at",
             mapped: facts.mesh,

@@ -38,11 +38,6 @@ impl Look {
     /// The triangles of the sample that a frame sees, as far as one can tell.
     const SEEN: u64 = TRIANGLES as u64 / 2;
 
-    /// Whether anything is to be found by looking.
-    pub(crate) fn is_asked(pipeline: &Pipeline) -> bool {
-        pipeline.solves_exposure() || pipeline.estimates_light()
-    }
-
     /// The workers that this memory is enough for, at least one.
     fn workers(pipeline: &Pipeline, frame: u64, memory: u64) -> usize {
         let fits = |workers: &usize| *workers as u64 * (frame + 3 * WORKER) <= memory;
@@ -58,7 +53,7 @@ impl Phase for Look {
     /// The groups, and the triangles that are looked at, are frozen before a unit is named.
     fn prepare(&self, run: &mut Context<'_>) -> Result<()> {
         let (pipeline, ledger) = (run.pipeline, Arc::clone(&run.ledger));
-        if !Look::is_asked(pipeline) {
+        if !pipeline.is_looked_at() {
             return Ok(());
         }
         let surveyed = run.known.surveyed_mut()?;
@@ -74,7 +69,7 @@ impl Phase for Look {
     }
 
     fn units(&self, known: &Known<'_>, _: &dyn Store, _: &Ledger) -> Result<Units> {
-        if !Look::is_asked(known.pipeline) {
+        if !known.pipeline.is_looked_at() {
             return Ok(Units::absent());
         }
         let unit = |group: &Group| Unit::new(group.recipe.clone()).weighing(group.frames.len() as u64);
@@ -87,7 +82,7 @@ impl Phase for Look {
     }
 
     fn takes(&self, pipeline: &Pipeline, facts: &Facts) -> Option<Takes> {
-        if !Look::is_asked(pipeline) {
+        if !pipeline.is_looked_at() {
             return None;
         }
         let memory = pipeline.run.memory.0.saturating_sub(facts.process);
