@@ -91,7 +91,7 @@ fn pictures(folder: &Path) -> Vec<String> {
 }
 
 /// Gives frames whose photographs are not there the names of files that are theirs in all likelihood; tells what was assumed.
-pub(super) fn find_photographs(frames: &mut Vec<Frame>, images: &Path) -> Option<String> {
+pub(super) fn find_photographs(frames: &mut [Frame], images: &Path) -> Option<String> {
     let missing: Vec<usize> = (0..frames.len()).filter(|&at| !images.join(&frames[at].name).exists()).collect();
     if missing.is_empty() {
         return None;
