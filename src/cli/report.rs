@@ -35,6 +35,7 @@ pub(super) fn table(report: &Report) -> String {
         }
     }
     lines.row("triangles", format!("{} ({triangles})", t.total));
+    report.up.iter().for_each(|up| lines.row("axes", up.clone()));
     found::rows(&mut lines, report);
     lines.row("estimator", report.backend.clone());
     lines.row("memory", format!("{} lent at most", Bytes(report.memory_peak)));
@@ -98,6 +99,7 @@ mod tests {
             shards: ShardCounts { total: 13, inferred: 4, resumed: 9 },
             triangles: TriangleCounts { total: 50_123, degenerate: 3, seen: 45_000, filled: 5_000, empty: 123 },
             segment_bytes: 12_345_678,
+            up: Some("up is [0.000, 0.000, 1.000], by the plane of the ground".into()),
             light: Some(LightReport {
                 sun: Some([0.6, 0.0, 0.8]),
                 sun_degrees: 0.75,
@@ -132,6 +134,7 @@ mod tests {
     observations   52.1 M (1.23 M records, 11.8 MiB, 0.24 bytes each)
     shards         13 (4 inferred, 9 from before)
     triangles      50123 (45000 seen, 5000 filled, 123 without a material, 3 without area)
+    axes           up is [0.000, 0.000, 1.000], by the plane of the ground
     sun            [0.6000, 0.0000, 0.8000] within 0.8 degrees, turned 1.50
     light          sun 0.900 0.850 0.800, sky 0.100 0.125 0.250; white 1.00
                    shadows say so

@@ -13,7 +13,7 @@ use crate::codec::poses;
 use crate::config::Choice;
 use crate::pipeline::{Pipeline, UpFrom};
 use crate::scene::frame::Frame;
-use crate::scene::up::Upright;
+use crate::scene::up::{By, Upright};
 use crate::stages::light::Mode;
 
 /// The most files that are listed of a folder of photographs.
@@ -27,6 +27,8 @@ const TOLD: usize = 3;
 pub(crate) struct Inputs {
     /// The number of posed photographs.
     pub frames: usize,
+    /// The way up, if the scene tells it.
+    pub up: Option<Upright>,
     /// The photographs, or their masks, whose headers cannot be read, each with the reason.
     pub unread: Vec<(String, String)>,
     /// What is doubtful, a line each.
@@ -42,20 +44,22 @@ impl Inputs {
             .par_iter()
             .filter_map(|frame| decode.need(frame).err().map(|why| (frame.name.clone(), why.to_string())))
             .collect();
+        let up = up(pipeline);
+        let leaning = up.filter(|up| matches!(up.by, By::Unsure(_))).map(|up| up.to_string());
         let doubts = [
-            up(pipeline),
+            leaning,
             scene.assumed.clone(),
             unposed(pipeline, scene),
             masks(pipeline, scene),
             scene.mesh.coarse(),
             sun(pipeline),
         ];
-        Inputs { frames: scene.frames.len(), unread, doubts: doubts.into_iter().flatten().collect() }
+        Inputs { frames: scene.frames.len(), up, unread, doubts: doubts.into_iter().flatten().collect() }
     }
 
     /// All that is to be told, a line each.
     pub(crate) fn lines(&self) -> Vec<String> {
-        let Inputs { frames, unread, doubts } = self;
+        let Inputs { frames, up, unread, doubts } = self;
         let told = unread.iter().take(TOLD).map(|(name, why)| format!("  {name}: {why}"));
         let more = unread.len().saturating_sub(TOLD);
         let head = match unread.len() {
@@ -64,7 +68,8 @@ impl Inputs {
             some => Some(format!("{some} of {frames} photographs cannot be read, and will be skipped:")),
         };
         let rest = (more > 0).then(|| format!("  and {more} more"));
-        head.into_iter().chain(told).chain(rest).chain(doubts.iter().cloned()).collect()
+        let up = up.filter(|up| !matches!(up.by, By::Unsure(_))).map(|up| up.to_string());
+        up.into_iter().chain(head).chain(told).chain(rest).chain(doubts.iter().cloned()).collect()
     }
 }
 
@@ -153,11 +158,9 @@ fn masks(pipeline: &Pipeline, scene: &LoadedScene) -> Option<String> {
     ))
 }
 
-/// Tells the way up that the cameras tell.
-fn up(pipeline: &Pipeline) -> Option<String> {
-    let UpFrom::Cameras(Some(Upright { up: [x, y, z], leans, sure })) = pipeline.scene.up_from else { return None };
-    let words = format!("up is [{x:.3}, {y:.3}, {z:.3}], as the cameras tell, whose rows lean by {leans:.1} degrees");
-    Some(if sure { words } else { format!("{words}: this is unsure, give [scene] up") })
+/// The way up, if the scene tells it.
+pub(super) fn up(pipeline: &Pipeline) -> Option<Upright> {
+    if let UpFrom::Scene(found) = pipeline.scene.up_from { found } else { None }
 }
 
 /// Tells of a sun below the horizon.

@@ -2,7 +2,7 @@
 
 use super::context::Context;
 use super::facts::Facts;
-use super::inputs::Inputs;
+use super::inputs::{self, Inputs};
 use super::known::{Known, Look};
 use super::phase::Phase;
 use super::takes::{BYTES_PER_SECOND, Takes};
@@ -41,6 +41,7 @@ impl Phase for Load {
             let kept = if kept.is_empty() { kept } else { format!(", which is now {kept}") };
             run.progress.note(format!("the list of frame groups is made over from {page} on{kept}: {why}"));
         }
+        run.report.up = inputs::up(run.pipeline).map(|up| up.to_string());
         let casts = surveyed.groups.all().iter().any(|group| !ledger.is_done(&group.recipe.unit()));
         if casts {
             // Photographs that cannot be read are told of when they are skipped.

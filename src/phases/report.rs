@@ -33,6 +33,9 @@ pub struct Report {
     pub segment_bytes: u64,
     /// The most bytes that the budget had lent at once.
     pub memory_peak: u64,
+    /// The way up, in words, if the scene tells it.
+    #[serde(default)]
+    pub up: Option<String>,
     /// What was found of exposures and light; none where nothing was to be found.
     #[serde(default)]
     pub light: Option<LightReport>,

@@ -19,7 +19,6 @@ use crate::pipeline::{Pipeline, UpFrom};
 use crate::scene::Mesh;
 use crate::scene::adjacency::Adjacency;
 use crate::scene::frame::Frame;
-use crate::scene::up::Upright;
 use crate::stages::decode::Decode;
 use crate::synth::city;
 use crate::trace::Bvh;
@@ -137,12 +136,9 @@ impl LoadedScene {
             })
         })?;
         let mut frames = patience.with(|| poses::read(scene.poses.format, &scene.poses.path))?;
-        if let UpFrom::Cameras(found) = scene.up_from
-            && found != Upright::of(&frames)
-        {
-            let changed =
-                "the cameras tell another way up than a moment ago: they were changed, or could not be read; try again";
-            return Err(Error::io("read", &scene.poses.path)(std::io::Error::other(changed)));
+        if scene.up_from == UpFrom::Scene(None) {
+            let again = "which could not be read a moment ago, and tell the way up: try again";
+            return Err(Error::io("read", &scene.poses.path)(std::io::Error::other(again)));
         }
         let assumed = find_photographs(&mut frames, &scene.images);
         Ok(LoadedScene { mesh, mesh_key, frames, assumed, cached })

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use glam::DVec3;
 
 use crate::base::patience::Patience;
+use crate::codec::meshes;
 use crate::codec::poses::{self, PoseFormat, Target};
 use crate::config::raw::Node;
 use crate::config::{Choice, Effect, FromToml, Key, Keys, Leads, Problem, Section, Settings, Value};
@@ -32,8 +33,8 @@ pub struct Scene {
 pub enum UpFrom {
     /// The pipeline file, or a city that is made.
     Given,
-    /// The cameras; `None` where their poses could not be read, which whoever reads them next finds too.
-    Cameras(Option<Upright>),
+    /// Cameras and ground; `None` where the poses could not be read.
+    Scene(Option<Upright>),
 }
 
 /// The way up, as a pipeline file has it.
@@ -87,8 +88,8 @@ impl Section for Scene {
         },
         Key {
             name: "up",
-            doc: "The way up in the mesh's coordinates. \"auto\": the cameras tell it, since people hold them level; or a vector, \
-                  as [0.0, 0.0, 1.0].",
+            doc: "The way up in the mesh's coordinates. \"auto\": cameras that are held level tell it, or else the ground; or a \
+                  vector, as [0.0, 0.0, 1.0].",
             value: Value::Default("\"auto\""),
         },
         Key { name: "poses", doc: "The poses of the cameras.", value: Value::Section },
@@ -108,7 +109,7 @@ impl Section for Scene {
             images: keys.path("images", images),
             masks: keys.optional_path("masks", masks),
             up,
-            up_from: if given.is_some() { UpFrom::Given } else { UpFrom::Cameras(None) },
+            up_from: if given.is_some() { UpFrom::Given } else { UpFrom::Scene(None) },
             poses: Poses::read(&keys.section("poses", Poses::OUTLINE)),
         }
     }
@@ -140,10 +141,12 @@ impl Scene {
             self.up_from = UpFrom::Given;
             return;
         }
-        let read = || poses::read(self.poses.format, &self.poses.path);
-        let found = Patience::default().with(read).ok().and_then(|frames| Upright::of(&frames));
+        let patience = Patience::default();
+        let frames = patience.with(|| poses::read(self.poses.format, &self.poses.path)).ok();
+        let ground = || patience.with(|| meshes::sample(&self.mesh)).ok();
+        let found = frames.and_then(|frames| Upright::of(&frames, ground));
         self.up = found.map_or(USUAL, |found| found.up);
-        self.up_from = UpFrom::Cameras(found);
+        self.up_from = UpFrom::Scene(found);
     }
 }
 

@@ -73,16 +73,24 @@ pub(crate) struct Narrowing {
 
 /// Every n-th vertex.
 #[derive(Debug, Clone)]
-struct Sample {
+pub(crate) struct Sample {
     every: usize,
-    kept: Vec<DVec3>,
+    told: usize,
+    /// The vertices, in their order.
+    pub kept: Vec<DVec3>,
 }
 
-impl Sample {
-    const MOST: usize = 4096;
+impl Default for Sample {
+    fn default() -> Self {
+        Sample { every: 1, told: 0, kept: Vec::new() }
+    }
+}
 
-    fn add(&mut self, number: usize, at: DVec3) {
-        if !number.is_multiple_of(self.every) {
+impl Polygons for Sample {
+    fn vertex(&mut self, at: DVec3) {
+        let number = self.told;
+        self.told += 1;
+        if !at.is_finite() || !number.is_multiple_of(self.every) {
             return;
         }
         if self.kept.len() == Sample::MOST {
@@ -98,6 +106,12 @@ impl Sample {
         }
         self.kept.push(at);
     }
+
+    fn polygon(&mut self, _: &[u32]) {}
+}
+
+impl Sample {
+    const MOST: usize = 4096;
 
     /// The box beyond which a vertex is far from the others: a hundred times as far as half of them are from each other.
     fn reach(&self) -> Option<Bounds> {
@@ -134,16 +148,15 @@ const KEPT: usize = 16;
 
 impl Default for Survey {
     fn default() -> Self {
-        let sample = Sample { every: 1, kept: Vec::new() };
-        Survey { vertices: 0, triangles: 0, early: 0, bounds: Bounds::NONE, sample }
+        Survey { vertices: 0, triangles: 0, early: 0, bounds: Bounds::NONE, sample: Sample::default() }
     }
 }
 
 impl Polygons for Survey {
     fn vertex(&mut self, at: DVec3) {
+        self.sample.vertex(at);
         if at.is_finite() {
             self.bounds.add(at);
-            self.sample.add(self.vertices, at);
         }
         self.vertices += 1;
     }

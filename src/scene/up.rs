@@ -1,58 +1,126 @@
-//! The way up, as cameras tell it: people hold a camera level, and fly at one height.
+//! The way up, as a scene tells it: people hold a camera level and fly at one height, and wide ground is flat.
+
+use std::fmt;
 
 use glam::{DMat3, DVec3};
 
 use super::frame::Frame;
 
-/// The way up that cameras tell.
+/// The way up that a scene tells.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Upright {
     /// The way up in the coordinates of the poses, of a length of about 1: each component is a multiple of 1/128, so that a frame
     /// more seldom moves it.
     pub up: [f64; 3],
-    /// How far the cameras' rows of pixels lean from the horizontal, root mean square, degrees.
-    pub leans: f64,
-    /// Whether no other direction would do nearly as well.
-    pub sure: bool,
+    /// What tells it.
+    pub by: By,
+}
+
+/// What tells the way up.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum By {
+    /// The cameras' rows of pixels, which are horizontal but for so many degrees, root mean square.
+    Rows(f64),
+    /// The ground under cameras that look down.
+    Ground,
+    /// The cameras' rows of pixels, though they lean by so many degrees, or another direction would do nearly as well.
+    Unsure(f64),
+}
+
+impl fmt::Display for Upright {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [x, y, z] = self.up;
+        write!(f, "up is [{x:.3}, {y:.3}, {z:.3}]")?;
+        match self.by {
+            By::Rows(lean) => write!(f, ", by cameras that are level but for {lean:.1} degrees"),
+            By::Ground => f.write_str(", by the plane of the ground"),
+            By::Unsure(lean) => {
+                write!(f, ", by cameras that lean by {lean:.1} degrees: this is unsure, give [scene] up")
+            }
+        }
+    }
 }
 
 /// How much the flatness of the flight counts beside how level the cameras are: it decides where all rows of pixels are parallel.
 const FLATNESS: f64 = 0.05;
 
+/// Cameras that lean by more, in degrees, are not held level.
+const LEVEL: f64 = 3.0;
+
+/// Ground is flat where its height varies by less than this part of its width, in variances.
+const FLAT: f64 = 0.1;
+
 /// Steps of each component.
 const STEPS: f64 = 128.0;
 
 impl Upright {
-    /// The direction that is the most nearly perpendicular to all rows of pixels and to the flight; on the side that the tops of
-    /// the photographs and the backs of the cameras are on. `None` without cameras.
-    pub fn of(frames: &[Frame]) -> Option<Upright> {
-        let count = frames.len() as f64;
-        let centres = || frames.iter().map(|frame| frame.pose.centre());
-        let middle = centres().sum::<DVec3>() / count;
-        let outer = |v: DVec3| DMat3::from_cols(v * v.x, v * v.y, v * v.z);
-        let sum = |all: DMat3, one: DMat3| all + one;
-        let rows = frames.iter().map(|frame| outer(frame.pose.rotation.inverse() * DVec3::X)).fold(DMat3::ZERO, sum);
-        let flight = centres().map(|centre| outer(centre - middle)).fold(DMat3::ZERO, sum);
-        let spread = flight.x_axis.x + flight.y_axis.y + flight.z_axis.z;
-        let flight = if spread > 0.0 { flight * (FLATNESS / spread) } else { DMat3::ZERO };
-        let level = rows * (1.0 / count);
-        let (values, axes) = eigen(level + flight);
-        let least = (0..3).min_by(|&a, &b| values[a].total_cmp(&values[b]))?;
-        let up = axes.col(least);
-        let above = |frame: &Frame| (frame.pose.rotation.inverse() * (-DVec3::Y - DVec3::Z)).dot(up);
-        let side = frames.iter().map(above).sum::<f64>() / count;
-        let up = if side < 0.0 { -up } else { up };
-        let next = (0..3).filter(|&other| other != least).map(|other| values[other]).fold(f64::INFINITY, f64::min);
-        let leans = up.dot(level * up).max(0.0).sqrt().min(1.0).asin().to_degrees();
-        let sure = next > 4.0 * values[least].max(1e-4) && side.abs() > 0.2;
+    /// The way up that cameras tell if they are level, or else the ground, of which `ground` gives some points, if it is flat and
+    /// they look down on it. `None` without cameras.
+    pub fn of(frames: &[Frame], ground: impl FnOnce() -> Option<Vec<DVec3>>) -> Option<Upright> {
+        let (up, leans, sure) = by_rows(frames)?;
+        let (up, by) = match sure && leans < LEVEL {
+            true => (up, By::Rows(leans)),
+            false => match ground().and_then(|points| by_ground(frames, points)) {
+                Some(up) => (up, By::Ground),
+                None => (up, By::Unsure(leans)),
+            },
+        };
         let up = (up * STEPS).round() / STEPS;
-        up.is_finite().then(|| Upright { up: up.to_array(), leans, sure })
+        up.is_finite().then(|| Upright { up: up.to_array(), by })
     }
 }
 
-/// Eigenvalues and eigenvectors, one a column, of a symmetric matrix (Jacobi's rotations: Golub and Van Loan, Matrix Computations,
-/// section 8.5).
-fn eigen(mut matrix: DMat3) -> ([f64; 3], DMat3) {
+fn outer(v: DVec3) -> DMat3 {
+    DMat3::from_cols(v * v.x, v * v.y, v * v.z)
+}
+
+fn sum(all: DMat3, one: DMat3) -> DMat3 {
+    all + one
+}
+
+/// The centre of the cameras.
+fn middle(frames: &[Frame]) -> DVec3 {
+    frames.iter().map(|frame| frame.pose.centre()).sum::<DVec3>() / frames.len() as f64
+}
+
+/// The direction that is the most nearly perpendicular to all rows of pixels and to the flight, on the side that the tops of the
+/// photographs and the backs of the cameras are on; how far the rows lean, degrees; whether no other direction would do nearly as
+/// well.
+fn by_rows(frames: &[Frame]) -> Option<(DVec3, f64, bool)> {
+    let (count, middle) = (frames.len() as f64, middle(frames));
+    let rows = frames.iter().map(|frame| outer(frame.pose.to_world(DVec3::X))).fold(DMat3::ZERO, sum);
+    let flight = frames.iter().map(|frame| outer(frame.pose.centre() - middle)).fold(DMat3::ZERO, sum);
+    let spread = flight.x_axis.x + flight.y_axis.y + flight.z_axis.z;
+    let flight = if spread > 0.0 { flight * (FLATNESS / spread) } else { DMat3::ZERO };
+    let level = rows * count.recip();
+    let [(least, up), (next, _), _] = eigen(level + flight)?;
+    let above = |frame: &Frame| frame.pose.to_world(-DVec3::Y - DVec3::Z).dot(up);
+    let side = frames.iter().map(above).sum::<f64>() / count;
+    let leans = up.dot(level * up).max(0.0).sqrt().min(1.0).asin().to_degrees();
+    Some((if side < 0.0 { -up } else { up }, leans, next > 4.0 * least.max(1e-4) && side.abs() > 0.2))
+}
+
+/// The normal of the plane of most of the points, towards the cameras; `None` where they are no plane, or where the cameras do not
+/// look down on it.
+fn by_ground(frames: &[Frame], mut points: Vec<DVec3>) -> Option<DVec3> {
+    let median = |axis: usize| {
+        let mut values: Vec<f64> = points.iter().map(|at| at[axis]).collect();
+        values.sort_by(f64::total_cmp);
+        values.get(values.len() / 2).copied()
+    };
+    let median = DVec3::new(median(0)?, median(1)?, median(2)?);
+    points.sort_by(|a, b| a.distance_squared(median).total_cmp(&b.distance_squared(median)));
+    points.truncate((points.len() * 4).div_ceil(5));
+    let spread = points.iter().map(|&at| outer(at - median)).fold(DMat3::ZERO, sum) * (points.len() as f64).recip();
+    let [(height, normal), (width, _), _] = eigen(spread)?;
+    let up = if normal.dot(middle(frames) - median) < 0.0 { -normal } else { normal };
+    let down = frames.iter().map(|frame| -frame.pose.to_world(DVec3::Z).dot(up)).sum::<f64>() / frames.len() as f64;
+    (height < FLAT * width && down > 0.5).then_some(up)
+}
+
+/// Eigenvalues, ascending, and eigenvectors of a symmetric matrix (Jacobi's rotations: Golub and Van Loan, Matrix Computations,
+/// section 8.5); `None` for one that is not finite.
+fn eigen(mut matrix: DMat3) -> Option<[(f64, DVec3); 3]> {
     let mut axes = DMat3::IDENTITY;
     for _ in 0..16 {
         for (p, q) in [(0, 1), (0, 2), (1, 2)] {
@@ -71,7 +139,9 @@ fn eigen(mut matrix: DMat3) -> ([f64; 3], DMat3) {
             axes *= turn;
         }
     }
-    ([matrix.x_axis.x, matrix.y_axis.y, matrix.z_axis.z], axes)
+    let mut all = [0, 1, 2].map(|at| (matrix.col(at)[at], axes.col(at)));
+    all.sort_by(|a, b| a.0.total_cmp(&b.0));
+    (matrix.is_finite() && axes.is_finite()).then_some(all)
 }
 
 #[cfg(test)]
@@ -111,7 +181,7 @@ mod tests {
         for up in [DVec3::Z, -DVec3::Y, DVec3::new(0.1, -0.3, -0.9).normalize()] {
             let (x, y) = up.any_orthonormal_pair();
             let around = |n: i32| x * f64::from(n).cos() + y * f64::from(n).sin();
-            let roll = |n: i32| 0.05 * f64::from(n * 7 % 5 - 2);
+            let roll = |n: i32| 0.02 * f64::from(n * 7 % 5 - 2);
             let walk: Vec<_> =
                 (0..20).map(|n| (x * f64::from(n) + up * 0.1 * roll(n), around(n * n), roll(n))).collect();
             let orbit: Vec<_> =
@@ -125,17 +195,37 @@ mod tests {
                 })
                 .collect();
             for cameras in [walk, orbit, nadir] {
-                let found = Upright::of(&frames(up, &cameras)).unwrap();
-                assert!(angle(found, up) < 2.0 && found.sure, "{up}: {found:?}");
-                assert!(found.leans < 6.0, "{found:?}");
+                let found = Upright::of(&frames(up, &cameras), || None).unwrap();
+                assert!(angle(found, up) < 2.0 && matches!(found.by, By::Rows(_)), "{up}: {found:?}");
             }
         }
     }
 
     #[test]
+    fn the_ground_tells_where_cameras_lean() {
+        let up = DVec3::new(0.1, -0.3, -0.9).normalize();
+        let (x, y) = up.any_orthonormal_pair();
+        let at = |n: i32| x * f64::from(n % 7) + y * f64::from(n / 7);
+        let lean = |n: i32| x * 0.4 * f64::from(n * 5 % 3 - 1) + y * 0.4 * f64::from(n * 7 % 5 - 2);
+        let cameras: Vec<_> = (0..28).map(|n| (at(n) + up * 9.0, lean(n) - up, f64::from(n * 11 % 7))).collect();
+        let frames = frames(up, &cameras);
+        let ground: Vec<DVec3> =
+            (0..400).map(|n| x * f64::from(n % 20) + y * f64::from(n / 20) + up * 0.3 * f64::from(n % 3)).collect();
+        let far = [x * 1e5, -up * 1e5];
+        let found = Upright::of(&frames, || Some([&ground[..], &far].concat())).unwrap();
+        assert!(angle(found, up) < 1.0 && found.by == By::Ground, "{found:?}");
+        // Neither a wall that they do not look at, nor what is no plane.
+        let wall = (0..400).map(|n| x * f64::from(n % 20) + up * f64::from(n / 20)).collect();
+        let ball = (0..400).map(|n| x * f64::from(n % 7) + y * f64::from(n * 3 % 11) + up * f64::from(n % 9)).collect();
+        for points in [wall, ball, Vec::new()] {
+            assert!(matches!(Upright::of(&frames, || Some(points)).unwrap().by, By::Unsure(_)));
+        }
+    }
+
+    #[test]
     fn one_camera_is_not_sure_and_none_tells_nothing() {
-        assert_eq!(Upright::of(&[]), None);
-        let one = Upright::of(&frames(DVec3::Z, &[(DVec3::ZERO, DVec3::new(1.0, 0.0, -1.0), 0.0)])).unwrap();
-        assert!(!one.sure);
+        assert_eq!(Upright::of(&[], || None), None);
+        let one = Upright::of(&frames(DVec3::Z, &[(DVec3::ZERO, DVec3::new(1.0, 0.0, -1.0), 0.0)]), || None).unwrap();
+        assert!(matches!(one.by, By::Unsure(_)));
     }
 }

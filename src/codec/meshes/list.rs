@@ -3,6 +3,8 @@
 use std::io::{Read, Seek};
 use std::path::Path;
 
+use glam::DVec3;
+
 use super::format::MeshFormat;
 use super::obj::OBJ;
 use super::ply::PLY;
@@ -10,6 +12,7 @@ use super::two_passes;
 use crate::base::input::Input;
 use crate::base::{Error, Result};
 use crate::scene::Mesh;
+use crate::scene::survey::Sample;
 
 /// Every mesh format that gonio reads.
 pub(crate) const FORMATS: &[&MeshFormat] = &[&PLY, &OBJ];
@@ -34,7 +37,24 @@ pub(crate) fn read_from(file: &mut Input, may: &dyn Fn(u64) -> Result<()>) -> Re
     read_one_of(FORMATS, file, may)
 }
 
+/// Some of the vertices of a mesh file, in the file's coordinates.
+///
+/// # Errors
+/// Those of [`read`].
+pub(crate) fn sample(path: &Path) -> Result<Vec<DVec3>> {
+    let mut file = Input::open(path).map_err(Error::io("open", path))?;
+    let format = chosen(FORMATS, &mut file)?;
+    let mut sample = Sample::default();
+    file.rewind().map_err(Error::io("read", path))?;
+    (format.tell)(&mut file, &mut sample)?;
+    Ok(sample.kept)
+}
+
 fn read_one_of(formats: &[&MeshFormat], file: &mut Input, may: &dyn Fn(u64) -> Result<()>) -> Result<Mesh> {
+    two_passes::read(chosen(formats, file)?, file, may)
+}
+
+fn chosen<'a>(formats: &[&'a MeshFormat], file: &mut Input) -> Result<&'a MeshFormat> {
     let path = file.path().to_owned();
     let mut start = Vec::new();
     let read = file.rewind().and_then(|()| file.take(START).read_to_end(&mut start));
@@ -43,10 +63,7 @@ fn read_one_of(formats: &[&MeshFormat], file: &mut Input, may: &dyn Fn(u64) -> R
     let named = |format: &MeshFormat| format.endings.iter().any(|known| ending == *known);
     let found =
         formats.iter().find(|format| (format.begins)(&start)).or_else(|| formats.iter().find(|format| named(format)));
-    match found {
-        Some(format) => two_passes::read(format, file, may),
-        None => Err(Error::malformed(path, format!("not a mesh that gonio reads: {}", known(formats)))),
-    }
+    found.copied().ok_or_else(|| Error::malformed(path, format!("not a mesh that gonio reads: {}", known(formats))))
 }
 
 /// The formats with the endings of their files.
@@ -57,8 +74,6 @@ fn known(formats: &[&MeshFormat]) -> String {
 
 #[cfg(test)]
 mod tests {
-    use glam::DVec3;
-
     use super::*;
 
     #[test]

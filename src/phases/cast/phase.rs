@@ -203,7 +203,7 @@ fn nothing_seen(frames: u64, counts: &Counts, skipped: &[Skipped]) -> String {
 fn doubts(counts: &Counts) -> Vec<String> {
     let share = |part: u64, of: u64| part as f64 / of.max(1) as f64;
     let behind = share(counts.behind, counts.behind + counts.observations);
-    let turned = (behind > 0.05).then(|| {
+    let turned = (behind > 0.2).then(|| {
         format!(
             "{:.0}% of the pixels saw faces from behind, which count for nothing: some faces of the mesh are turned inside \
              out; a program such as MeshLab orients them alike",
@@ -235,9 +235,9 @@ mod tests {
             let said = nothing_seen(3, &counts, &skipped);
             assert!(said.contains(words) && (said.contains("coordinates") == words.contains("coordinates")), "{said}");
         }
-        let seen = Counts { observations: 90, behind: 10, bright: 50, ..read };
+        let seen = Counts { observations: 90, behind: 30, bright: 50, ..read };
         assert_eq!(doubts(&seen).len(), 2);
-        assert!(doubts(&seen)[0].starts_with("10% of the pixels saw faces from behind"));
-        assert_eq!(doubts(&Counts { behind: 1, bright: 4, ..seen }), [""; 0]);
+        assert!(doubts(&seen)[0].starts_with("25% of the pixels saw faces from behind"));
+        assert_eq!(doubts(&Counts { behind: 20, bright: 4, ..seen }), [""; 0]);
     }
 }
