@@ -18,7 +18,7 @@ pub struct Scene {
     pub mesh: PathBuf,
     /// The folder of the images that the poses name.
     pub images: PathBuf,
-    /// The folder of masks, `NAME.png` for an image `NAME`, 0 where a pixel is to be ignored.
+    /// The folder of masks; 0 where a pixel is to be ignored.
     pub masks: Option<PathBuf>,
     /// The way up in the mesh's coordinates; any length but 0.
     pub up: [f64; 3],
@@ -82,8 +82,8 @@ impl Section for Scene {
         },
         Key {
             name: "masks",
-            doc: "The folder of masks, if you have them: NAME.png for the image NAME, 0 where a pixel is to be ignored (sky, \
-                  cars, people).",
+            doc: "The folder of masks, if you have them: NAME.png, NAME_mask.png or NAME.mask.png for the image NAME; a pixel is \
+                  ignored where all colours are 0 or alpha is (sky, cars, people).",
             value: Value::Optional("\"masks\""),
         },
         Key {

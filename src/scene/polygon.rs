@@ -3,6 +3,9 @@
 use earcut::Earcut;
 use glam::{DVec2, DVec3, Vec3};
 
+/// Faces of more corners are no surfaces that anybody made, and would take long: they stay fans.
+const MOST: usize = 1 << 12;
+
 /// A face as a fan around its first corner.
 pub(super) fn fan(corners: &[u32]) -> impl Iterator<Item = [u32; 3]> {
     let first = corners.first().copied().unwrap_or(0);
@@ -15,6 +18,9 @@ pub(super) fn cut(positions: &[Vec3], triangles: &mut [[u32; 3]]) {
     let (Some(&[first, second, _]), at) = (triangles.first(), |i: u32| positions[i as usize].as_dvec3()) else {
         return;
     };
+    if triangles.len() > MOST {
+        return;
+    }
     let corners: Vec<u32> = [first, second].into_iter().chain(triangles.iter().map(|t| t[2])).collect();
     let normal = normal(&corners, at);
     let facing = |[a, b, c]: [u32; 3]| (at(b) - at(a)).cross(at(c) - at(a)).dot(normal);
