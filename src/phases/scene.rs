@@ -11,6 +11,7 @@ use crate::base::patience::Patience;
 use crate::base::units::Bytes;
 use crate::base::{Error, PhaseName, Result};
 use crate::cache::{self, Cached};
+use crate::codec::poses::PhotographFolder;
 use crate::codec::{meshes, poses};
 use crate::disk::Recipe;
 use crate::disk::{Ledger, Store};
@@ -131,7 +132,8 @@ impl LoadedScene {
                 None => (key, meshes::read_from(&mut file, &may)?, None),
             })
         })?;
-        let frames = patience.with(|| poses::read(scene.poses.format, &scene.poses.path))?;
+        let photographs = PhotographFolder::new(&scene.images);
+        let frames = patience.with(|| poses::read(scene.poses.format, &scene.poses.path, &photographs))?;
         Ok(LoadedScene { mesh, mesh_key, frames, cached })
     }
 

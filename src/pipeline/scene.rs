@@ -101,12 +101,13 @@ impl Section for Poses {
     const KEYS: &'static [Key] = &[
         Key {
             name: "format",
-            doc: "The format: \"colmap\", a COLMAP sparse model, binary or text.",
+            doc: "The format: \"colmap\", a COLMAP sparse model, binary or text, or another of those in docs/formats.md.",
             value: Value::Default("\"colmap\""),
         },
         Key {
             name: "path",
-            doc: "The folder that holds cameras.bin and images.bin, or both as .txt.",
+            doc: "The file or folder of the format: for \"colmap\" the folder that holds cameras.bin and images.bin, or both \
+                  as .txt.",
             value: Value::Needed("\"sparse/0\""),
         },
     ];
@@ -115,7 +116,7 @@ impl Section for Poses {
         let format: &'static PoseFormat = keys.choice("format");
         let missing = format!("{}: --set scene.poses.path=PATH", format.advice);
         let leads = match format.target {
-            Target::File => Leads::to_file(missing),
+            Target::Either => Leads::to_file_or_folder(missing),
             Target::Folder => Leads::to_folder(missing),
         };
         let path = keys.path("path", leads);

@@ -1,10 +1,15 @@
 //! The list of pose formats.
 
+use super::bundler::BUNDLER;
 use super::colmap::COLMAP;
 use super::format::PoseFormat;
+use super::nvm::NVM;
+use super::opendronemap::OPENDRONEMAP;
+use super::opensfm::OPENSFM;
+use super::transforms::TRANSFORMS;
 
 /// Every pose format that gonio reads.
-pub(crate) const FORMATS: &[&PoseFormat] = &[&COLMAP];
+pub(crate) const FORMATS: &[&PoseFormat] = &[&COLMAP, &OPENDRONEMAP, &OPENSFM, &TRANSFORMS, &BUNDLER, &NVM];
 
 /// The formats by their names.
 pub(crate) const NAMES: [(&str, &PoseFormat); FORMATS.len()] = {

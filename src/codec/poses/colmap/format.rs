@@ -4,16 +4,18 @@ use std::path::Path;
 
 use super::{binary, text};
 use crate::base::{Error, Result};
-use crate::codec::poses::format::{Missing, PoseFormat, Target};
+use crate::codec::poses::format::{Missing, PoseFormat, Posed, Target};
 use crate::scene::frame::Frame;
 
 /// The folder of a COLMAP sparse model, binary or text.
 pub const COLMAP: PoseFormat = PoseFormat {
     name: "colmap",
+    programs: "COLMAP, GLOMAP",
     target: Target::Folder,
     advice: "name the folder that holds cameras.bin and images.bin, or both as .txt",
+    is_at: |folder| has(folder, "bin") || has(folder, "txt"),
     missing,
-    read,
+    read: |folder, _| read(folder).map(Posed::from),
 };
 
 /// Where below a folder a model usually lies.
