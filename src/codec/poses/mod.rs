@@ -1,26 +1,38 @@
 //! Posed photographs of other programs. Each format is a file or folder here, and stands in one list (`list`).
 //!
 //! What several formats share: `photographs` is the door to the images, `names` finds an image's name below the image folder,
-//! `posed` makes poses, `whole`, `words`, `json` and `xml` read files.
+//! `found` finds files, `posed` makes poses, `terms` refuses what no lens has; `whole`, `bytes`, `words`, `json` and `xml` read.
 
+mod alicevision;
+mod blendedmvs;
+mod blocks_exchange;
+mod bundler;
+mod bytes;
 pub(crate) mod colmap;
 mod format;
 mod found;
 mod json;
 mod list;
-mod bundler;
+mod metashape;
+mod micmac;
 mod names;
 mod nvm;
 mod opendronemap;
+mod openmvs;
 mod opensfm;
 mod photographs;
-mod terms;
-mod transforms;
-mod xml;
+mod pix4d;
 mod posed;
 mod read;
+mod realitycapture;
+mod tanks_and_temples;
+mod terms;
+#[cfg(test)]
+mod tests;
+mod transforms;
 mod whole;
 mod words;
+mod xml;
 
 pub use colmap::COLMAP;
 pub(crate) use format::{PoseFormat, Posed, Target};

@@ -14,7 +14,8 @@ use crate::base::{Error, Result};
 pub(super) fn settled(written: &[String], photographs: &dyn Photographs) -> Result<Vec<String>> {
     let plain: Vec<String> = written.iter().map(|name| plain(name)).collect();
     let known = Known::of(photographs.names()?);
-    let found: Vec<Option<&str>> = plain.iter().map(|name| known.find(name)).collect::<Result<_, String>>().map_err(Error::invalid)?;
+    let found: Vec<Option<&str>> =
+        plain.iter().map(|name| known.find(name)).collect::<Result<_, String>>().map_err(Error::invalid)?;
     let shared = shared(&plain);
     let below = |name: &str| name[shared..].to_owned();
     Ok(plain.iter().zip(found).map(|(name, found)| found.map_or_else(|| below(name), str::to_owned)).collect())

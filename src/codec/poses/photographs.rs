@@ -90,7 +90,9 @@ impl Photographs for NoPhotographs {
 
     fn size(&self, name: &str) -> Result<Size> {
         let advice = "name the folder of the photographs";
-        Err(Error::invalid(format!("the size of {name} is not in the poses and has to be read from the image: {advice}")))
+        Err(Error::invalid(format!(
+            "the size of {name} is not in the poses and has to be read from the image: {advice}"
+        )))
     }
 }
 

@@ -101,7 +101,10 @@ mod tests {
         let mut words = Words::of("# c\n1 2\n\n 3.5e-005\nlast line\nx");
         assert_eq!(words.numbers::<3>("a number"), Ok([1.0, 2.0, 3.5e-5]));
         assert_eq!((words.line_number(), words.line()), (4, Some("last line")));
-        assert_eq!(words.number::<u32>("a count"), Err("line 6: a count is \"x\"; a number of its kind is needed".into()));
+        assert_eq!(
+            words.number::<u32>("a count"),
+            Err("line 6: a count is \"x\"; a number of its kind is needed".into())
+        );
         assert_eq!(words.number::<u32>("a count"), Err("the file ends where a count should be".into()));
         assert!(Words::of("inf").numbers::<1>("f").unwrap_err().contains("line 1: f is inf"));
         assert_eq!(exactly("1 2", "it"), Ok([1.0, 2.0]));

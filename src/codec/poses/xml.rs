@@ -22,7 +22,10 @@ pub(super) fn child<'a, 'i>(of: Node<'a, 'i>, name: &str) -> Option<Node<'a, 'i>
 }
 
 /// The elements of a name within another.
-pub(super) fn children<'a, 'i, 'n>(of: Node<'a, 'i>, name: &'n str) -> impl Iterator<Item = Node<'a, 'i>> + use<'a, 'i, 'n> {
+pub(super) fn children<'a, 'i, 'n>(
+    of: Node<'a, 'i>,
+    name: &'n str,
+) -> impl Iterator<Item = Node<'a, 'i>> + use<'a, 'i, 'n> {
     of.children().filter(move |node| node.is_element() && node.tag_name().name() == name)
 }
 
@@ -38,7 +41,8 @@ pub(super) fn text<'a>(of: Node<'a, '_>, name: &str) -> Option<&'a str> {
 
 /// The value of an attribute of a name, or the text of an element of that name.
 pub(super) fn value<'a>(of: Node<'a, '_>, name: &str) -> Option<&'a str> {
-    let attribute = of.attributes().find(|attribute| attribute.name() == name).map(|attribute| attribute.value().trim());
+    let attribute =
+        of.attributes().find(|attribute| attribute.name() == name).map(|attribute| attribute.value().trim());
     attribute.or_else(|| text(of, name))
 }
 

@@ -139,7 +139,9 @@ fn the_division_model_is_that_of_its_formula() {
 #[test]
 fn derivatives_are_those_of_differences() {
     for Named { name, camera, .. } in cameras() {
-        let (Projection::Perspective(distortion) | Projection::Equidistant(distortion) | Projection::Inward(distortion)) = camera.lens.projection()
+        let (Projection::Perspective(distortion)
+        | Projection::Equidistant(distortion)
+        | Projection::Inward(distortion)) = camera.lens.projection()
         else {
             continue;
         };

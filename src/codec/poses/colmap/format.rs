@@ -5,6 +5,7 @@ use std::path::Path;
 use super::{binary, text};
 use crate::base::{Error, Result};
 use crate::codec::poses::format::{Missing, PoseFormat, Posed, Target};
+use crate::scene::camera::Camera;
 use crate::scene::frame::Frame;
 
 /// The folder of a COLMAP sparse model, binary or text.
@@ -40,6 +41,14 @@ fn read(folder: &Path) -> Result<Vec<Frame>> {
         let found = "no COLMAP model: cameras.bin and images.bin, or cameras.txt and images.txt, are needed";
         Err(Error::malformed(folder, found))
     }
+}
+
+/// The camera of a `cameras.txt` that holds one.
+///
+/// # Errors
+/// A file that cannot be read, none or several cameras, one that is no lens.
+pub(in crate::codec::poses) fn only_camera(file: &Path) -> Result<Camera> {
+    text::cameras(file)?.only().map_err(|why| Error::malformed(file, why))
 }
 
 /// Whether a folder holds both files of a model with this ending.

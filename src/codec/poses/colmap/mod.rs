@@ -18,4 +18,5 @@ mod text;
 mod write;
 
 pub use format::COLMAP;
+pub(super) use format::only_camera;
 pub use write::{Encoding, write_model};

@@ -25,6 +25,18 @@ impl Cameras {
             None => Ok(()),
         }
     }
+
+    /// The camera, where there is one.
+    ///
+    /// # Errors
+    /// In words: none, several, or a panorama.
+    pub(super) fn only(self) -> Result<Camera, String> {
+        match (self.0.len(), self.0.into_values().next()) {
+            (1, Some(Some(camera))) => Ok(Arc::unwrap_or_clone(camera)),
+            (1, _) => Err(format!("its camera is of the model {PANORAMA}, which has no lens")),
+            (count, _) => Err(format!("it has {count} cameras; one is needed")),
+        }
+    }
 }
 
 /// An image as the files have it.

@@ -16,7 +16,7 @@ use crate::codec::poses::{found, json, names, posed};
 use crate::scene::frame::Frame;
 
 /// OpenDroneMap's results.
-pub const OPENDRONEMAP: PoseFormat = PoseFormat {
+pub(crate) const OPENDRONEMAP: PoseFormat = PoseFormat {
     name: "opendronemap",
     programs: "OpenDroneMap, WebODM",
     target: Target::Folder,
@@ -62,7 +62,8 @@ struct Shot {
 
 fn read(path: &Path, photographs: &dyn Photographs) -> Result<Posed> {
     let there = |file: Option<PathBuf>, name| file.ok_or_else(|| Error::malformed(path, format!("no {name} is there")));
-    let (shots_file, cameras_file) = (there(shots(path), "odm_report/shots.geojson")?, there(cameras(path), "cameras.json")?);
+    let (shots_file, cameras_file) =
+        (there(shots(path), "odm_report/shots.geojson")?, there(cameras(path), "cameras.json")?);
     let written: BTreeMap<String, LensOf> = json::read(&cameras_file)?;
     let shots: Shots = json::read(&shots_file)?;
     let offset = offset::read(path)?;
@@ -89,10 +90,12 @@ fn camera_of<'a>(shot: &'a Shot, cameras: &'a BTreeMap<String, LensOf>) -> Resul
     if let Some(id) = shot.camera.as_deref() {
         return Ok(id);
     }
-    let sized: Vec<(&String, &LensOf)> = cameras.iter().filter(|(_, lens)| lens.is_of(shot.width, shot.height)).collect();
+    let sized: Vec<(&String, &LensOf)> =
+        cameras.iter().filter(|(_, lens)| lens.is_of(shot.width, shot.height)).collect();
     let off = |lens: &LensOf| shot.focal.map_or(0.0, |focal| (lens.focal() - focal).abs());
     let least = sized.iter().map(|(_, lens)| off(lens)).fold(f64::INFINITY, f64::min);
-    let near: Vec<&str> = sized.iter().filter(|(_, lens)| off(lens) <= least + 1e-9).map(|(id, _)| id.as_str()).collect();
+    let near: Vec<&str> =
+        sized.iter().filter(|(_, lens)| off(lens) <= least + 1e-9).map(|(id, _)| id.as_str()).collect();
     match near[..] {
         [one] => Ok(one),
         [] => Err(format!("no camera of cameras.json is of {} x {} pixels", shot.width, shot.height)),

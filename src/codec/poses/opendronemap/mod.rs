@@ -9,7 +9,5 @@
 
 mod format;
 mod offset;
-#[cfg(test)]
-mod tests;
 
-pub use format::OPENDRONEMAP;
+pub(crate) use format::OPENDRONEMAP;

@@ -16,7 +16,7 @@ use crate::scene::frame::Frame;
 use crate::scene::pose::Pose;
 
 /// OpenSfM's reconstruction.
-pub const OPENSFM: PoseFormat = PoseFormat {
+pub(crate) const OPENSFM: PoseFormat = PoseFormat {
     name: "opensfm",
     programs: "OpenSfM, OpenDroneMap",
     target: Target::Either,
@@ -81,7 +81,8 @@ fn read(path: &Path, photographs: &dyn Photographs) -> Result<Posed> {
     }
     let others: Vec<String> = all.iter().flat_map(|other| other.shots.keys().cloned()).collect();
     let (more, shots) = (all.len(), others.len());
-    let note = format!("{more} more reconstructions, of {shots} shots, are in coordinates of their own and are not read");
+    let note =
+        format!("{more} more reconstructions, of {shots} shots, are in coordinates of their own and are not read");
     let notes = if more == 0 { Vec::new() } else { vec![note] };
     Ok(Posed { frames, unposed: others, notes })
 }

@@ -10,8 +10,6 @@
 mod format;
 mod lens;
 mod rigs;
-#[cfg(test)]
-mod tests;
 
-pub use format::OPENSFM;
+pub(crate) use format::OPENSFM;
 pub(super) use lens::{LensOf, Lenses};

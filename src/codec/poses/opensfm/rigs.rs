@@ -62,7 +62,8 @@ impl<'a> Rigs<'a> {
     pub(super) fn pose(&self, shot: &str) -> Result<Option<Pose>, String> {
         let Some((instance, name)) = self.of_shot.get(shot) else { return Ok(None) };
         let camera = self.cameras.get(*name);
-        let camera = camera.ok_or_else(|| format!("its rig camera {} is not among rig_cameras", shown(name)))?.pose()?;
+        let camera =
+            camera.ok_or_else(|| format!("its rig camera {} is not among rig_cameras", shown(name)))?.pose()?;
         let rig = Turned { rotation: instance.rotation, translation: instance.translation }.pose()?;
         Ok(Some(Pose {
             rotation: (camera.rotation * rig.rotation).normalize(),

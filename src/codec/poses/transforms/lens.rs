@@ -78,7 +78,10 @@ impl Intrinsics {
         let (Some(angle), Some(w), Some(fl_x)) = (self.camera_angle_x, self.w, self.fl_x) else { return None };
         let by_focal = 2.0 * (w.0 / (2.0 * fl_x.0)).atan();
         ((by_focal - angle.0).abs() > 1e-3).then(|| {
-            format!("camera_angle_x is {:.6}, but w and fl_x say {by_focal:.6}: fl_x is taken; look which is right", angle.0)
+            format!(
+                "camera_angle_x is {:.6}, but w and fl_x say {by_focal:.6}: fl_x is taken; look which is right",
+                angle.0
+            )
         })
     }
 
@@ -96,10 +99,8 @@ impl Intrinsics {
         let (Some(x), Some(y)) = (x.or(y), y.or(x)) else {
             return Err("it has no focal length: fl_x or camera_angle_x is needed".to_owned());
         };
-        let centre = DVec2::new(
-            self.cx.map_or(0.5 * sides.x, |value| value.0),
-            self.cy.map_or(0.5 * sides.y, |value| value.0),
-        );
+        let centre =
+            DVec2::new(self.cx.map_or(0.5 * sides.x, |value| value.0), self.cy.map_or(0.5 * sides.y, |value| value.0));
         let lens = Lens::new(DVec2::new(x, y), centre, self.projection()?)?;
         Camera::new(size.width.into(), size.height.into(), lens)
     }

@@ -7,8 +7,6 @@
 //!   Without `fl_x`, `camera_angle_x` gives the focal length; without `w`, the image gives the size.
 
 mod lens;
-#[cfg(test)]
-mod tests;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -29,13 +27,14 @@ use crate::scene::pose::Pose;
 use lens::Intrinsics;
 
 /// The transforms of nerfstudio and instant-ngp.
-pub const TRANSFORMS: PoseFormat = PoseFormat {
+pub(crate) const TRANSFORMS: PoseFormat = PoseFormat {
     name: "transforms",
     programs: "nerfstudio, instant-ngp, Blender scenes",
     target: Target::Either,
     advice: "name transforms.json or the folder that holds it",
     is_at: |path| {
-        let holds = |file: PathBuf| String::from_utf8_lossy(&whole::start(&file, 1 << 16)).contains("\"transform_matrix\"");
+        let holds =
+            |file: PathBuf| String::from_utf8_lossy(&whole::start(&file, 1 << 16)).contains("\"transform_matrix\"");
         file(path).is_some_and(holds)
     },
     missing: |path| found::missing(path, file(path).is_some(), "must be transforms.json or hold it"),

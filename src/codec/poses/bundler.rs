@@ -9,9 +9,6 @@
 //! A pose is world-to-camera with x right, y up, z back. Images are counted from their centre, so their sizes are read from
 //! the images. The cameras are in the order of `list.txt`.
 
-#[cfg(test)]
-mod tests;
-
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -29,7 +26,7 @@ use crate::scene::camera::{Camera, Distortion, Lens, Projection};
 use crate::scene::frame::Frame;
 
 /// Bundler's output.
-pub const BUNDLER: PoseFormat = PoseFormat {
+pub(crate) const BUNDLER: PoseFormat = PoseFormat {
     name: "bundler",
     programs: "Bundler, and many that export to it",
     target: Target::Either,
@@ -77,7 +74,8 @@ fn read(path: &Path, photographs: &dyn Photographs) -> Result<Posed> {
 impl Seen {
     fn camera(&self, Size { width, height }: Size) -> Result<Camera, String> {
         let centre = DVec2::new(width.into(), height.into()) * 0.5;
-        let lens = Lens::new(DVec2::splat(self.focal), centre, Projection::Perspective(Distortion::radial(self.radial)))?;
+        let lens =
+            Lens::new(DVec2::splat(self.focal), centre, Projection::Perspective(Distortion::radial(self.radial)))?;
         Camera::new(width.into(), height.into(), lens)
     }
 }

@@ -9,9 +9,6 @@
 //! Axes are ours. The one radial term says the way back: `ideal = d (1 + r |d|^2 / f^2)`, with d from the image's centre. Of
 //! several models in a file, the first is read.
 
-#[cfg(test)]
-mod tests;
-
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -29,7 +26,7 @@ use crate::scene::frame::Frame;
 use crate::scene::pose::Pose;
 
 /// VisualSFM's model.
-pub const NVM: PoseFormat = PoseFormat {
+pub(crate) const NVM: PoseFormat = PoseFormat {
     name: "nvm",
     programs: "VisualSFM",
     target: Target::Either,
