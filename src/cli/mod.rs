@@ -17,6 +17,7 @@ mod inspect;
 mod out_of_memory;
 mod pipeline_args;
 mod plan;
+mod poses;
 mod print;
 mod process;
 mod progress;

@@ -35,8 +35,10 @@ mod words;
 mod xml;
 
 pub use colmap::COLMAP;
-pub(crate) use format::{PoseFormat, Posed, Target};
+#[cfg(test)]
+pub(crate) use format::Posed;
+pub(crate) use format::{PoseFormat, Target};
 pub(crate) use list::{FORMATS, NAMES};
 pub use photographs::{NoPhotographs, PhotographFolder, Photographs};
-pub(crate) use read::look;
 pub use read::read;
+pub(crate) use read::{formats_at, look};

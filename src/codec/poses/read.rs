@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::format::{PoseFormat, Posed};
+use super::list::FORMATS;
 use super::photographs::Photographs;
 use crate::base::shown::shown;
 use crate::base::{Error, Result};
@@ -31,6 +32,11 @@ pub(crate) fn look(format: &PoseFormat, path: &Path, photographs: &dyn Photograp
         Some(found) => Err(Error::malformed(path, found)),
         None => Ok(posed),
     }
+}
+
+/// The formats of what lies at a path, the likeliest first: a project of OpenDroneMap holds one of OpenSfM's too.
+pub(crate) fn formats_at(path: &Path) -> Vec<&'static PoseFormat> {
+    FORMATS.iter().copied().filter(|format| (format.is_at)(path)).collect()
 }
 
 /// What is wrong with frames that are sorted by name.

@@ -11,6 +11,7 @@ mod format;
 mod models;
 #[cfg(test)]
 mod models_tests;
+mod nearest;
 mod posed;
 #[cfg(test)]
 mod tests;
@@ -19,4 +20,5 @@ mod write;
 
 pub use format::COLMAP;
 pub(super) use format::only_camera;
+pub(crate) use nearest::with_lenses_of_colmap;
 pub use write::{Encoding, write_model};
