@@ -56,7 +56,8 @@ impl Photographs for PhotographFolder {
     }
 
     fn size(&self, name: &str) -> Result<Size> {
-        images::size(&self.path.join(name))
+        let size = images::size(&self.path.join(name));
+        size.map_err(|why| why.doing("read an image's size, which the poses do not say"))
     }
 }
 

@@ -103,6 +103,10 @@ fn visualsfm_reprojects_its_own_points_and_turns_as_colmap_does() {
 fn opensfm_turns_as_colmap_does() {
     let Some(folder) = shared("formats/opensfm") else { return };
     turns_as_colmap(&read("opensfm", &folder.join("sceaux_meshed.json"), &NoPhotographs).frames, 0.3);
+    if let Some(nvm) = shared("formats/nvm/sceaux.nvm") {
+        let visual = read("nvm", &nvm, &Sized(Size { width: 2832, height: 2128 })).frames;
+        turn_alike(&read("opensfm", &folder.join("sceaux_meshed.json"), &NoPhotographs).frames, &visual, 0.5);
+    }
     // The poses of shots and of rigs in one file are the same.
     let berlin = fs::read_to_string(folder.join("berlin_reconstruction.json")).unwrap();
     let bare = tempfile::tempdir().unwrap();
@@ -133,6 +137,11 @@ fn turns_as_colmap(frames: &[Frame], most: f64) {
         return;
     };
     let colmap = look(&COLMAP, &model, &NoPhotographs).unwrap().frames;
+    turn_alike(frames, &colmap, most);
+}
+
+/// Two formats turn the same photographs alike, from each to the next, within so many degrees.
+fn turn_alike(frames: &[Frame], colmap: &[Frame], most: f64) {
     let last = |name: &str| name.rsplit('/').next().unwrap_or_default().to_lowercase();
     let pairs: Vec<(&Frame, &Frame)> =
         frames.iter().filter_map(|a| Some((a, colmap.iter().find(|b| last(&b.name) == last(&a.name))?))).collect();
