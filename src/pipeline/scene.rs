@@ -41,7 +41,7 @@ impl Section for Scene {
     const KEYS: &'static [Key] = &[
         Key {
             name: "mesh",
-            doc: "The triangle mesh, PLY or OBJ, in the coordinates of the poses. Large coordinates (UTM) are fine.",
+            doc: "The triangle mesh, PLY, OBJ, GLB, STL or OFF, in the coordinates of the poses. Large coordinates (UTM) are fine.",
             value: Value::Needed("\"mesh.ply\""),
         },
         Key {
