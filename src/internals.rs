@@ -30,7 +30,7 @@ pub mod codec {
         }
     }
     pub mod poses {
-        pub use crate::codec::poses::{COLMAP, read};
+        pub use crate::codec::poses::{COLMAP, NoPhotographs, PhotographFolder, Photographs, read};
 
         pub mod colmap {
             pub use crate::codec::poses::colmap::{Encoding, write_model};

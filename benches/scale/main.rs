@@ -124,7 +124,7 @@ impl City {
 
     /// The inputs of a run with this many frames, spread over the flight.
     fn input(&self, work: &Path, frames: u32) -> io::Result<Input<'_>> {
-        let all = poses::read(&COLMAP, &self.folder.join("sparse/0")).map_err(Error::other)?;
+        let all = poses::read(&COLMAP, &self.folder.join("sparse/0"), &poses::NoPhotographs).map_err(Error::other)?;
         let spread: Vec<Frame> = (0..frames as usize).map(|i| all[i * all.len() / frames as usize].clone()).collect();
         let model = work.join(format!("sparse-{frames}-of-{}", all.len()));
         fs::create_dir_all(&model)?;

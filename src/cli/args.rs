@@ -3,7 +3,7 @@
 use clap::{Parser, Subcommand};
 
 use super::ending::Answer;
-use super::{check, eval, explain, export, inspect, light, plan, render, run, synth, verify};
+use super::{check, eval, explain, export, inspect, light, plan, poses, render, run, synth, verify};
 
 /// Recovers how every surface of a scene reflects light, from ordinary aerial photographs.
 ///
@@ -32,6 +32,8 @@ pub(super) enum Command {
     Light(light::Args),
     /// Hold every file of a run against its checksum and, with --inputs, every input against what was made of it
     Verify(verify::Args),
+    /// Say what posed photographs of any format hold and, with --colmap, write them as a COLMAP model
+    Poses(poses::Args),
     /// Write what every pixel of a frame sees: triangle, position, normal, depth, uv, as one EXR
     Buffers(inspect::BuffersArgs),
     /// Write the reflectance maps of triangles of a finished run
@@ -58,6 +60,7 @@ impl Command {
             Command::Explain(args) => explain::explain(&args),
             Command::Light(args) => light::light(&args),
             Command::Verify(args) => verify::verify(&args),
+            Command::Poses(args) => poses::poses(&args),
             Command::Buffers(args) => inspect::buffers(&args),
             Command::Maps(args) => inspect::maps(&args),
             Command::Synth(what) => synth::synth(what),

@@ -19,6 +19,7 @@ mod light;
 mod out_of_memory;
 mod pipeline_args;
 mod plan;
+mod poses;
 mod print;
 mod process;
 mod progress;

@@ -19,6 +19,7 @@ pub struct Leads {
 enum To {
     File,
     Folder,
+    FileOrFolder,
     FolderOrNothing,
 }
 
@@ -31,6 +32,11 @@ impl Leads {
     /// To a folder; `missing` says what to do where there is none.
     pub fn to_folder(missing: impl Into<Cow<'static, str>>) -> Self {
         Leads { to: To::Folder, missing: missing.into() }
+    }
+
+    /// To a file or a folder; `missing` says what to do where there is neither.
+    pub fn to_file_or_folder(missing: impl Into<Cow<'static, str>>) -> Self {
+        Leads { to: To::FileOrFolder, missing: missing.into() }
     }
 
     /// To a folder, or to nothing yet; `missing` says what to do where something else is there.
@@ -55,6 +61,7 @@ impl Leads {
                 To::FolderOrNothing => Ok(path),
                 To::File => Err(wrong("no such file")),
                 To::Folder => Err(wrong("no such folder")),
+                To::FileOrFolder => Err(wrong("no such file or folder")),
             },
             (Err(why), _) => Err(wrong(&format!("cannot be read: {why}"))),
         }

@@ -1,23 +1,19 @@
 //! What the names and headers of the inputs tell of a run beforehand.
 
 use std::collections::BTreeSet;
-use std::fs;
 use std::path::Path;
 
 use glam::DVec3;
 use rayon::prelude::*;
 
 use super::scene::LoadedScene;
-use crate::codec::images::{is_picture, mask_path};
-use crate::codec::poses;
+use crate::codec::images::mask_path;
+use crate::codec::poses::{self, PhotographFolder, Photographs};
 use crate::config::Choice;
 use crate::pipeline::{Pipeline, UpFrom};
 use crate::scene::frame::Frame;
 use crate::scene::up::{By, Upright};
 use crate::stages::light::Mode;
-
-/// The most files that are listed of a folder of photographs.
-const MOST: usize = 1 << 20;
 
 /// How many names are told of many.
 const TOLD: usize = 3;
@@ -73,26 +69,9 @@ impl Inputs {
     }
 }
 
-/// The pictures in a folder and below, by their names relative to it, sorted. A folder that cannot be read has none.
+/// The photographs in a folder and below, by their names relative to it, sorted. A folder that cannot be read has none.
 fn pictures(folder: &Path) -> Vec<String> {
-    let (mut found, mut below) = (Vec::new(), vec![String::new()]);
-    while let Some(prefix) = below.pop() {
-        for entry in fs::read_dir(folder.join(&prefix)).into_iter().flatten().flatten() {
-            let (Ok(name), Ok(kind)) = (entry.file_name().into_string(), entry.file_type()) else { continue };
-            let name = if prefix.is_empty() { name } else { format!("{prefix}/{name}") };
-            if kind.is_dir() {
-                below.push(name);
-            } else if is_picture(Path::new(&name)) {
-                found.push(name);
-            }
-            if found.len() + below.len() >= MOST {
-                found.sort();
-                return found;
-            }
-        }
-    }
-    found.sort();
-    found
+    PhotographFolder::new(folder).names().map(<[String]>::to_vec).unwrap_or_default()
 }
 
 /// Gives frames whose photographs are not there the names of files that are theirs in all likelihood; tells what was assumed.

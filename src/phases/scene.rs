@@ -12,6 +12,7 @@ use crate::base::patience::Patience;
 use crate::base::units::Bytes;
 use crate::base::{Error, PhaseName, Result};
 use crate::cache::{self, Cached};
+use crate::codec::poses::PhotographFolder;
 use crate::codec::{meshes, poses};
 use crate::disk::Recipe;
 use crate::disk::{Ledger, Store};
@@ -135,7 +136,8 @@ impl LoadedScene {
                 None => (key, meshes::read_from(&mut file, &may)?, None),
             })
         })?;
-        let mut frames = patience.with(|| poses::read(scene.poses.format, &scene.poses.path))?;
+        let photographs = PhotographFolder::new(&scene.images);
+        let mut frames = patience.with(|| poses::read(scene.poses.format, &scene.poses.path, &photographs))?;
         if scene.up_from == UpFrom::Scene(None) {
             let again = "which could not be read a moment ago, and tell the way up: try again";
             return Err(Error::io("read", &scene.poses.path)(std::io::Error::other(again)));

@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use crate::base::patience::Patience;
 use crate::codec::meshes;
-use crate::codec::poses::{self, PoseFormat, Target};
+use crate::codec::poses::{self, PhotographFolder, PoseFormat, Target};
 use crate::config::raw::Node;
 use crate::config::{Choice, Effect, FromToml, Key, Keys, Leads, Problem, Section, Settings, Value};
 use crate::scene::up::Upright;
@@ -70,7 +70,7 @@ impl Section for Scene {
     const KEYS: &'static [Key] = &[
         Key {
             name: "mesh",
-            doc: "The triangle mesh, PLY or OBJ, in the coordinates of the poses. Large coordinates (UTM) are fine.",
+            doc: "The triangle mesh, PLY, OBJ, GLB, STL or OFF, in the coordinates of the poses. Large coordinates (UTM) are fine.",
             value: Value::Needed("\"mesh.ply\""),
         },
         Key {
@@ -141,8 +141,8 @@ impl Scene {
             self.up_from = UpFrom::Given;
             return;
         }
-        let patience = Patience::default();
-        let frames = patience.with(|| poses::read(self.poses.format, &self.poses.path)).ok();
+        let (patience, photographs) = (Patience::default(), PhotographFolder::new(&self.images));
+        let frames = patience.with(|| poses::read(self.poses.format, &self.poses.path, &photographs)).ok();
         let ground = || patience.with(|| meshes::sample(&self.mesh)).ok();
         let found = frames.and_then(|frames| Upright::of(&frames, ground));
         self.up = found.map_or(USUAL, |found| found.up);
@@ -156,12 +156,13 @@ impl Section for Poses {
     const KEYS: &'static [Key] = &[
         Key {
             name: "format",
-            doc: "The format: \"colmap\", a COLMAP sparse model, binary or text.",
+            doc: "The format: \"colmap\", a COLMAP sparse model, binary or text, or another of those in docs/formats.md.",
             value: Value::Default("\"colmap\""),
         },
         Key {
             name: "path",
-            doc: "The folder that holds cameras.bin and images.bin, or both as .txt.",
+            doc: "The file or folder of the format: for \"colmap\" the folder that holds cameras.bin and images.bin, or both \
+                  as .txt.",
             value: Value::Needed("\"sparse/0\""),
         },
     ];
@@ -170,7 +171,7 @@ impl Section for Poses {
         let format: &'static PoseFormat = keys.choice("format");
         let missing = format!("{}: --set scene.poses.path=PATH", format.advice);
         let leads = match format.target {
-            Target::File => Leads::to_file(missing),
+            Target::Either => Leads::to_file_or_folder(missing),
             Target::Folder => Leads::to_folder(missing),
         };
         let path = keys.path("path", leads);

@@ -31,7 +31,7 @@ const MIB: u64 = 1 << 20;
 fn city_seen(frames: usize, (width, height): (u32, u32), ending: &str, shot: impl FnOnce(&Path)) -> TempDir {
     let dir = city();
     let (model, images) = (dir.path().join("sparse/0"), dir.path().join("images"));
-    let posed = poses::read(&COLMAP, &model).unwrap();
+    let posed = poses::read(&COLMAP, &model, &poses::NoPhotographs).unwrap();
     let centre = [f64::from(width) / 2.0, f64::from(height) / 2.0];
     let lens = Lens::pinhole([f64::from(width) * 0.15; 2].into(), centre.into());
     let camera: Arc<Camera> = Camera { width, height, lens }.into();
@@ -140,7 +140,7 @@ fn a_mesh_that_does_not_fit_is_refused_before_it_is_read() {
 fn a_frame_that_does_not_fit_is_skipped_until_it_does() {
     let dir = city();
     let (model, large) = (dir.path().join("sparse/0"), "frame_004.hdr");
-    let mut frames = poses::read(&COLMAP, &model).unwrap();
+    let mut frames = poses::read(&COLMAP, &model, &poses::NoPhotographs).unwrap();
     let (width, height) = (5000, 4000);
     let lens =
         Lens::pinhole([f64::from(width) * 0.15; 2].into(), [f64::from(width) / 2.0, f64::from(height) / 2.0].into());

@@ -60,7 +60,7 @@ fn one_image_takes_its_group_and_new_frames_take_none() {
     tiny(&dir);
     let images = dir.path().join("images");
     let model = dir.path().join("sparse/0");
-    let all = poses::read(&COLMAP, &model).unwrap();
+    let all = poses::read(&COLMAP, &model, &poses::NoPhotographs).unwrap();
     // Frames 2 and 7 come later, in the midst of the others.
     let few: Vec<_> = all.iter().enumerate().filter(|(i, _)| ![2, 7].contains(i)).map(|(_, f)| f.clone()).collect();
     colmap::write_model(&model, &few, Encoding::Binary).unwrap();

@@ -6,8 +6,11 @@ use std::path::Path;
 use glam::DVec3;
 
 use super::format::MeshFormat;
+use super::gltf::GLTF;
 use super::obj::OBJ;
+use super::off::OFF;
 use super::ply::PLY;
+use super::stl::STL;
 use super::two_passes;
 use crate::base::input::Input;
 use crate::base::{Error, Result};
@@ -15,7 +18,7 @@ use crate::scene::Mesh;
 use crate::scene::survey::Sample;
 
 /// Every mesh format that gonio reads.
-pub(crate) const FORMATS: &[&MeshFormat] = &[&PLY, &OBJ];
+pub(crate) const FORMATS: &[&MeshFormat] = &[&PLY, &OBJ, &GLTF, &STL, &OFF];
 
 /// The bytes of a file's start that formats are recognised by.
 const START: u64 = 64;
@@ -91,7 +94,11 @@ mod tests {
         }
         // A file that is named PLY and is none is told so.
         assert!(read("a.ply", obj).unwrap_err().contains("this is no PLY file"));
-        assert!(read("a.stl", "solid").unwrap_err().contains("PLY (.ply), OBJ (.obj)"));
+        assert!(
+            read("a.fbx", "Kaydara")
+                .unwrap_err()
+                .contains("PLY (.ply), OBJ (.obj), GLB (.glb, .gltf), STL (.stl), OFF (.off)")
+        );
         assert!(read("a.obj", "").unwrap_err().contains("no faces"));
     }
 

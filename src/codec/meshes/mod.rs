@@ -2,9 +2,15 @@
 
 mod format;
 pub(crate) mod glb;
+mod gltf;
+mod lines;
 mod list;
 mod obj;
+mod off;
 pub(crate) mod ply;
+mod stl;
+#[cfg(test)]
+mod tests;
 mod two_passes;
 
 pub use list::read;

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use super::photographs::Photographs;
 use crate::base::Result;
 use crate::scene::frame::Frame;
 
@@ -13,24 +14,45 @@ use crate::scene::frame::Frame;
 pub struct PoseFormat {
     /// The format's name in a pipeline file.
     pub name: &'static str,
+    /// The programs that write the format, as people call them.
+    pub programs: &'static str,
     /// The kind of thing that `path` leads to.
     pub target: Target,
     /// What a user does if nothing is at `path`, as in "name the folder that holds cameras.bin".
     pub advice: &'static str,
+    /// Whether what lies at a path is of the format: looks at names and at the first bytes of a file.
+    pub is_at: fn(&Path) -> bool,
     /// What is missing at a `path` that leads to something; `None` where `read` finds its files. Looks at names only.
     pub missing: fn(&Path) -> Option<Missing>,
     /// Reads the frames, in any order; [`read`](super::read()) checks their names. Its errors name the file and the
     /// element, and a lens term that [`Lens`](crate::scene::camera::Lens) has not.
-    pub read: fn(&Path) -> Result<Vec<Frame>>,
+    pub read: fn(&Path, &dyn Photographs) -> Result<Posed>,
+}
+
+/// What a format read.
+#[derive(Debug, Clone, Default)]
+pub struct Posed {
+    /// The frames.
+    pub frames: Vec<Frame>,
+    /// The images that the file names without a pose.
+    pub unposed: Vec<String>,
+    /// What else a user should know, a sentence each.
+    pub notes: Vec<String>,
+}
+
+impl From<Vec<Frame>> for Posed {
+    fn from(frames: Vec<Frame>) -> Self {
+        Posed { frames, ..Posed::default() }
+    }
 }
 
 /// The kind of thing that a path leads to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Target {
-    /// A file.
-    File,
     /// A folder.
     Folder,
+    /// A file, or the folder that holds it.
+    Either,
 }
 
 /// What is missing at a path.

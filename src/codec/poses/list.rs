@@ -1,10 +1,40 @@
 //! The list of pose formats.
 
+use super::alicevision::ALICEVISION;
+use super::blendedmvs::BLENDEDMVS;
+use super::blocks_exchange::BLOCKS_EXCHANGE;
+use super::bundler::BUNDLER;
 use super::colmap::COLMAP;
 use super::format::PoseFormat;
+use super::metashape::METASHAPE;
+use super::micmac::MICMAC;
+use super::nvm::NVM;
+use super::opendronemap::OPENDRONEMAP;
+use super::openmvs::OPENMVS;
+use super::opensfm::OPENSFM;
+use super::pix4d::PIX4D;
+use super::realitycapture::REALITYCAPTURE;
+use super::tanks_and_temples::TANKS_AND_TEMPLES;
+use super::transforms::TRANSFORMS;
 
 /// Every pose format that gonio reads.
-pub(crate) const FORMATS: &[&PoseFormat] = &[&COLMAP];
+pub(crate) const FORMATS: &[&PoseFormat] = &[
+    &COLMAP,
+    &OPENDRONEMAP,
+    &OPENSFM,
+    &METASHAPE,
+    &TRANSFORMS,
+    &REALITYCAPTURE,
+    &BLENDEDMVS,
+    &TANKS_AND_TEMPLES,
+    &ALICEVISION,
+    &OPENMVS,
+    &BUNDLER,
+    &NVM,
+    &PIX4D,
+    &MICMAC,
+    &BLOCKS_EXCHANGE,
+];
 
 /// The formats by their names.
 pub(crate) const NAMES: [(&str, &PoseFormat); FORMATS.len()] = {

@@ -1,102 +1,154 @@
-//! Finds the photographs that poses name, though other systems and programs write their names another way.
+//! The names that frames get from the names that files of others give: paths of another machine, with either slash, with or
+//! without an ending. A name becomes that of the one photograph that fits it best; where there is none, the part below the
+//! folder that all names share.
 
-use std::collections::BTreeMap;
-use std::fmt;
+use std::collections::HashMap;
 
-use unicode_normalization::UnicodeNormalization;
+use super::photographs::Photographs;
+use crate::base::{Error, Result};
 
-/// How a photograph was found under another name than the poses have, from what says most to what says least.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum Alike {
-    /// But for upper and lower case, and for how letters with marks are composed.
-    Letters,
-    /// But for the folders.
-    FileName,
-    /// But for the folders and the ending.
-    Stem,
+/// The name of a frame for each of the names that a file gives, in their order.
+///
+/// # Errors
+/// A name that fits several photographs equally well; photographs that cannot be listed.
+pub(super) fn settled(written: &[String], photographs: &dyn Photographs) -> Result<Vec<String>> {
+    let plain: Vec<String> = written.iter().map(|name| plain(name)).collect();
+    let known = Known::of(photographs.names()?);
+    let found: Vec<Option<&str>> =
+        plain.iter().map(|name| known.find(name)).collect::<Result<_, String>>().map_err(Error::invalid)?;
+    let shared = shared(&plain);
+    let below = |name: &str| name[shared..].to_owned();
+    Ok(plain.iter().zip(found).map(|(name, found)| found.map_or_else(|| below(name), str::to_owned)).collect())
 }
 
-impl fmt::Display for Alike {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Alike::Letters => "without regard to upper and lower case and to how letters are composed",
-            Alike::FileName => "by the file's name alone, without folders",
-            Alike::Stem => "by the file's name without folders and ending",
-        })
-    }
+/// A path with `/` between folders, without drive, `.`, and whatever stands before the last `..`.
+fn plain(written: &str) -> String {
+    let slashes = written.replace('\\', "/");
+    let path = slashes.strip_prefix("file://").unwrap_or(&slashes);
+    let drive = |part: &str| part.len() == 2 && part.ends_with(':');
+    let parts: Vec<&str> = path.split('/').filter(|part| !part.is_empty() && *part != "." && !drive(part)).collect();
+    let from = parts.iter().rposition(|part| *part == "..").map_or(0, |at| at + 1);
+    parts[from..].join("/")
 }
 
-impl Alike {
-    const ALL: [Alike; 3] = [Alike::Letters, Alike::FileName, Alike::Stem];
-
-    /// What two names that are alike in this way have in common.
-    fn key(self, name: &str) -> String {
-        let folded: String = name.nfc().flat_map(char::to_lowercase).nfc().collect();
-        let file = folded.rsplit('/').next().unwrap_or_default();
-        match self {
-            Alike::Letters => folded,
-            Alike::FileName => file.to_owned(),
-            Alike::Stem => file.rsplit_once('.').map_or(file, |(stem, _)| stem).to_owned(),
+/// How many bytes of all paths are folders that they share.
+fn shared(paths: &[String]) -> usize {
+    let folder = |path: &str| path.rfind('/').map_or(0, |at| at + 1);
+    let Some(first) = paths.first() else { return 0 };
+    let mut shared = folder(first);
+    for path in paths {
+        while shared > 0 && path.as_bytes().get(..shared) != first.as_bytes().get(..shared) {
+            shared = folder(&first[..shared - 1]);
         }
     }
+    shared
 }
 
-/// The files that names stand for, all in the same way: by the first of [`Alike`] in which more than none can be told, each name
-/// stands for one file and no file for two. `None` for a name without such a file. Names that are files already are not given.
-pub(crate) fn resolve<'a>(names: &[&str], files: &'a [String]) -> Option<(Alike, Vec<Option<&'a str>>)> {
-    Alike::ALL.into_iter().find_map(|alike| {
-        let mut by_key: BTreeMap<String, Vec<&str>> = BTreeMap::new();
-        files.iter().for_each(|file| by_key.entry(alike.key(file)).or_default().push(file));
-        let mut wanted: BTreeMap<String, usize> = BTreeMap::new();
-        names.iter().for_each(|name| *wanted.entry(alike.key(name)).or_default() += 1);
-        let one = |name: &&str| {
-            let key = alike.key(name);
-            match by_key.get(&key).map(Vec::as_slice) {
-                Some(&[file]) if wanted.get(&key) == Some(&1) => Some(file),
-                _ => None,
-            }
-        };
-        let found: Vec<Option<&str>> = names.iter().map(one).collect();
-        found.iter().any(Option::is_some).then_some((alike, found))
-    })
+/// A path without the ending of its last part.
+fn without_ending(path: &str) -> &str {
+    let last = path.rfind('/').map_or(0, |at| at + 1);
+    path[last..].rfind('.').filter(|at| *at > 0).map_or(path, |at| &path[..last + at])
+}
+
+/// The photographs by the last part of their names, whole and without its ending.
+struct Known<'a> {
+    whole: HashMap<&'a str, Vec<&'a str>>,
+    bare: HashMap<&'a str, Vec<&'a str>>,
+}
+
+impl<'a> Known<'a> {
+    fn of(names: &'a [String]) -> Self {
+        let mut known = Known { whole: HashMap::new(), bare: HashMap::new() };
+        for name in names {
+            known.whole.entry(last(name)).or_default().push(name);
+            known.bare.entry(last(without_ending(name))).or_default().push(name);
+        }
+        known
+    }
+
+    /// The photograph that a path leads to: the one that shares most parts with its end.
+    fn find(&self, path: &str) -> Result<Option<&'a str>, String> {
+        let bare = without_ending(path);
+        let named = self.whole.get(last(path)).map(|all| best(path, all, |name| name));
+        let named = named.or_else(|| self.bare.get(last(path)).map(|all| best(path, all, without_ending)));
+        let named = named.or_else(|| self.bare.get(last(bare)).map(|all| best(bare, all, without_ending)));
+        named.transpose()
+    }
+}
+
+fn last(path: &str) -> &str {
+    path.rsplit('/').next().unwrap_or(path)
+}
+
+/// The one of several photographs that shares most parts with the end of a path.
+fn best<'a>(path: &str, all: &[&'a str], part: impl Fn(&'a str) -> &'a str) -> Result<&'a str, String> {
+    let alike = |name: &str| path.rsplit('/').zip(name.rsplit('/')).take_while(|(a, b)| a == b).count();
+    let parts = |name: &str| name.split('/').count();
+    let most = all.iter().map(|name| alike(part(name))).max().unwrap_or_default();
+    let mut fitting: Vec<&str> = all.iter().copied().filter(|name| alike(part(name)) == most).collect();
+    // A name of which nothing is left over fits better than one in a folder that the path does not name.
+    if fitting.iter().any(|name| parts(name) == most) {
+        fitting.retain(|name| parts(name) == most);
+    }
+    match fitting[..] {
+        [one] => Ok(one),
+        _ => Err(format!("image {path} may be {} or {}: name it by its folder too", fitting[0], fitting[1])),
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::codec::images::Size;
+    use crate::codec::poses::NoPhotographs;
 
-    fn resolved(names: &[&str], files: &[&str]) -> Option<(Alike, Vec<Option<String>>)> {
-        let files: Vec<String> = files.iter().map(ToString::to_string).collect();
-        let (alike, found) = resolve(names, &files)?;
-        Some((alike, found.into_iter().map(|file| file.map(str::to_owned)).collect()))
-    }
+    struct Listed(Vec<String>);
 
-    #[test]
-    fn names_are_found_in_the_way_that_says_most() {
-        let some = |name: &str| Some(name.to_owned());
-        for (names, files, alike, found) in [
-            (&["a.jpg"][..], &["A.JPG"][..], Alike::Letters, vec![some("A.JPG")]),
-            (&["Ma\u{308}rz/a.jpg"], &["M\u{e4}rz/a.jpg", "a.png"], Alike::Letters, vec![some("M\u{e4}rz/a.jpg")]),
-            (&["cam/a.jpg", "cam/b.jpg"], &["a.jpg", "c.jpg"], Alike::FileName, vec![some("a.jpg"), None]),
-            (&["a.jpg"], &["cam/a.jpg", "cam/b.jpg"], Alike::FileName, vec![some("cam/a.jpg")]),
-            (&["C:/scan/a.tif"], &["undistorted/A.png"], Alike::Stem, vec![some("undistorted/A.png")]),
-            (&["a"], &["a.png"], Alike::Stem, vec![some("a.png")]),
-        ] {
-            assert_eq!(resolved(names, files), Some((alike, found)), "{names:?}");
+    impl Photographs for Listed {
+        fn names(&self) -> Result<&[String]> {
+            Ok(&self.0)
+        }
+
+        fn size(&self, _: &str) -> Result<Size> {
+            Ok(Size { width: 4, height: 3 })
         }
     }
 
+    fn strings(names: &[&str]) -> Vec<String> {
+        names.iter().map(|name| (*name).to_owned()).collect()
+    }
+
+    fn settle(written: &[&str], there: &[&str]) -> Result<Vec<String>, String> {
+        settled(&strings(written), &Listed(strings(there))).map_err(|why| why.to_string())
+    }
+
     #[test]
-    fn what_may_be_two_files_is_none() {
-        for (names, files) in [
-            (&["a.jpg"][..], &["one/a.jpg", "two/a.jpg"][..]),
-            (&["one/a.jpg", "two/a.jpg"], &["a.jpg"]),
-            (&["a.jpg"], &["A.jpg", "a.JPG"]),
-            (&["b.jpg"], &["a.jpg"]),
-            (&["b.jpg"], &[]),
-            (&[], &["a.jpg"]),
+    fn a_name_becomes_that_of_the_photograph_it_fits_best() {
+        let there = ["a.jpg", "east/a.jpg", "east/b.JPG", "west/b.JPG", "c.tar.png"];
+        for (written, name) in [
+            ("a.jpg", "a.jpg"),
+            ("/home/me/project/a.jpg", "a.jpg"),
+            ("C:\\flight\\east\\a.jpg", "east/a.jpg"),
+            ("./../x/west/b.JPG", "west/b.JPG"),
+            ("west/b", "west/b.JPG"),
+            ("west/b.tif", "west/b.JPG"),
+            ("c.tar", "c.tar.png"),
+            ("images/east/b.JPG", "east/b.JPG"),
         ] {
-            assert_eq!(resolved(names, files), None, "{names:?}");
+            assert_eq!(settle(&[written], &there).unwrap(), [name], "{written}");
         }
+        let why = settle(&["b.JPG"], &there).unwrap_err();
+        assert!(why.contains("image b.JPG may be east/b.JPG or west/b.JPG"), "{why}");
+    }
+
+    #[test]
+    fn without_photographs_the_shared_folder_is_left_out() {
+        let names = |written: &[&str]| settled(&strings(written), &NoPhotographs).unwrap();
+        assert_eq!(names(&["/p/one/a.jpg", "/p/two/a.jpg"]), ["one/a.jpg", "two/a.jpg"]);
+        assert_eq!(names(&["D:\\p\\a.jpg", "D:\\p\\b.jpg"]), ["a.jpg", "b.jpg"]);
+        assert_eq!(names(&["pa/a.jpg", "pb/b.jpg"]), ["pa/a.jpg", "pb/b.jpg"]);
+        assert_eq!(names(&["a.jpg", "p/b.jpg"]), ["a.jpg", "p/b.jpg"]);
+        assert_eq!(names(&["./../images/0048.png"]), ["0048.png"]);
+        assert!(names(&[]).is_empty());
     }
 }

@@ -2,7 +2,9 @@
 
 use std::path::Path;
 
-use super::format::PoseFormat;
+use super::format::{PoseFormat, Posed};
+use super::list::FORMATS;
+use super::photographs::Photographs;
 use crate::base::shown::shown;
 use crate::base::{Error, Result};
 use crate::scene::frame::Frame;
@@ -10,18 +12,26 @@ use crate::scene::frame::Frame;
 /// The longest name of an image, bytes; no system opens a longer path.
 const LONGEST: usize = 4096;
 
-/// Reads the frames at a path, sorted by name.
+/// Reads the frames at a path, sorted by name. What a format has to know of the photographs it asks of `photographs`.
 ///
 /// # Errors
 /// Those of the format; no image; two images of one name; a name that could lead out of the image folder or steer a
 /// terminal; a pose that is not finite.
-pub fn read(format: &PoseFormat, path: &Path) -> Result<Vec<Frame>> {
-    let mut frames = (format.read)(path)?;
-    frames.iter_mut().for_each(|frame| frame.name = plain(&frame.name));
-    frames.sort_by(|a, b| a.name.cmp(&b.name));
-    match fault(&frames) {
+pub fn read(format: &PoseFormat, path: &Path, photographs: &dyn Photographs) -> Result<Vec<Frame>> {
+    look(format, path, photographs).map(|posed| posed.frames)
+}
+
+/// Reads the frames at a path, sorted by name, with what the format says beside them.
+///
+/// # Errors
+/// Those of [`read`].
+pub(crate) fn look(format: &PoseFormat, path: &Path, photographs: &dyn Photographs) -> Result<Posed> {
+    let mut posed = (format.read)(path, photographs)?;
+    posed.frames.iter_mut().for_each(|frame| frame.name = plain(&frame.name));
+    posed.frames.sort_by(|a, b| a.name.cmp(&b.name));
+    match fault(&posed.frames) {
         Some(found) => Err(Error::malformed(path, found)),
-        None => Ok(frames),
+        None => Ok(posed),
     }
 }
 
@@ -32,6 +42,11 @@ fn plain(name: &str) -> String {
         name = rest;
     }
     name.to_owned()
+}
+
+/// The formats of what lies at a path, the likeliest first: a project of OpenDroneMap holds one of OpenSfM's too.
+pub(crate) fn formats_at(path: &Path) -> Vec<&'static PoseFormat> {
+    FORMATS.iter().copied().filter(|format| (format.is_at)(path)).collect()
 }
 
 /// What is wrong with frames that are sorted by name.
@@ -67,6 +82,7 @@ mod tests {
     use glam::{DQuat, DVec2, DVec3};
 
     use super::*;
+    use crate::codec::poses::NoPhotographs;
     use crate::codec::poses::format::{Missing, Target};
     use crate::scene::camera::{Camera, Lens};
     use crate::scene::pose::Pose;
@@ -74,13 +90,15 @@ mod tests {
     /// A format of the test's own: a file with a name a line, whose camera stands at the line's number.
     const NAMES: PoseFormat = PoseFormat {
         name: "names",
-        target: Target::File,
+        programs: "the test",
+        target: Target::Either,
         advice: "name a file of names",
+        is_at: |_| false,
         missing: |path| {
             let empty = std::fs::metadata(path).is_ok_and(|file| file.len() == 0);
             empty.then_some(Missing { rule: "must hold a name", instead: None })
         },
-        read: |path| {
+        read: |path, _| {
             let text = std::fs::read_to_string(path).map_err(Error::io("read", path))?;
             let lens = Lens::pinhole(DVec2::splat(50.0), DVec2::splat(20.0));
             let camera = Arc::new(Camera { width: 40, height: 40, lens });
@@ -89,7 +107,8 @@ mod tests {
                 let pose = Pose { rotation: DQuat::IDENTITY, translation };
                 Frame { name: name.to_owned(), camera: camera.clone(), pose }
             };
-            Ok((0..).zip(text.split('\n')).filter(|(_, name)| *name != "#").map(frame).collect())
+            let named = (0..).zip(text.split('\n')).filter(|(_, name)| *name != "#");
+            Ok(named.map(frame).collect::<Vec<_>>().into())
         },
     };
 
@@ -97,7 +116,7 @@ mod tests {
         let file = tempfile::NamedTempFile::new().unwrap();
         std::fs::write(file.path(), names).unwrap();
         assert_eq!((NAMES.missing)(file.path()).is_some(), names.is_empty());
-        let frames = read(&NAMES, file.path()).map_err(|why| why.to_string())?;
+        let frames = read(&NAMES, file.path(), &NoPhotographs).map_err(|why| why.to_string())?;
         Ok(frames.into_iter().map(|frame| (frame.name, frame.pose.translation.x)).collect())
     }
 

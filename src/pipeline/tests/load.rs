@@ -96,7 +96,7 @@ x = 1
     p.toml:3:2: scene.mesh: is needed; add `mesh = "PATH"`
     p.toml:4:1: scene.meshh: no such key; the known ones are mesh, images, masks, up, poses; did you mean `mesh`?
     p.toml:5:10: scene.images: no such folder; got photos; put the photographs there, or name their folder: --set scene.images=PATH
-    p.toml:6:20: scene.poses.format: must be "colmap"; got "colmpa"; did you mean `colmap`?
+    p.toml:6:20: scene.poses.format: must be "colmap" or "opendronemap" or "opensfm" or "metashape" or "transforms" or "realitycapture" or "blendedmvs" or "tanks_and_temples" or "alicevision" or "openmvs" or "bundler" or "nvm" or "pix4d" or "micmac" or "blocks_exchange"; got "colmpa"; did you mean `colmap`?
     p.toml:6:37: scene.poses.path: must be a folder, and is a file; got mesh.ply; name the folder that holds cameras.bin and images.bin, or both as .txt: --set scene.poses.path=PATH
     p.toml:8:12: decode.transfer: must be a name: "srgb" or "linear" or "gamma"; got 1
     p.toml:9:12: decode.exposure: must be "solve" or "as_is"; got "as_was"

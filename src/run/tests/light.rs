@@ -10,7 +10,7 @@ use tempfile::TempDir;
 use super::{outputs, run_here};
 use crate::codec::images::{Curve, Size, Transfer, read_image, size, to_srgb8, write_jpeg};
 use crate::codec::poses::colmap::{self, Encoding};
-use crate::codec::poses::{self, COLMAP};
+use crate::codec::poses::{self, COLMAP, NoPhotographs};
 use crate::disk::{MemStore, Store};
 use crate::phases::Report;
 use crate::phases::light::LIGHT;
@@ -80,7 +80,7 @@ fn a_city_of_which_nothing_is_known_gives_its_sun_away() {
 fn what_was_found_stays_when_frames_come_and_change() {
     let (dir, store) = (scene(), MemStore::new());
     let model = dir.path().join("sparse/0");
-    let all = poses::read(&COLMAP, &model).unwrap();
+    let all = poses::read(&COLMAP, &model, &NoPhotographs).unwrap();
     let few: Vec<_> = all.iter().enumerate().filter(|(i, _)| *i != 3).map(|(_, frame)| frame.clone()).collect();
     colmap::write_model(&model, &few, Encoding::Binary).unwrap();
     let (first, _, before) = run(&dir, &store, &[]);

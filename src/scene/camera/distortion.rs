@@ -56,7 +56,7 @@ impl Distortion {
     }
 
     /// The radius that the radial term gives a point at radius `r`, and its derivative by `r`.
-    pub(super) fn outward(&self, r: f64) -> (f64, f64) {
+    pub(crate) fn outward(&self, r: f64) -> (f64, f64) {
         let (factor, slope) = self.factor(r * r);
         (r * factor, factor + 2.0 * r * r * slope)
     }

@@ -6,6 +6,7 @@ use glam::{DVec2, DVec3};
 
 use super::distortion::{self, Distortion};
 use super::reach::Reach;
+use super::unified::Unified;
 
 /// The largest parameter: rays overflow beyond it.
 const LARGEST: f64 = 1e9;
@@ -31,11 +32,15 @@ pub enum Projection {
     Perspective(Distortion),
     /// The angle to the axis, along (X, Y), then moved by the distortion: a fisheye.
     Equidistant(Distortion),
+    /// The distortion says the way back: it moves a point of the image to (X, Y) / Z.
+    Inward(Distortion),
     /// The field-of-view model of Devernay and Faugeras (2001).
     FieldOfView {
         /// The model's angle, radians: 0 to pi.
         omega: f64,
     },
+    /// The enhanced unified model of Khomutenko, Garcia and Martinet (2016).
+    Unified(Unified),
 }
 
 impl Projection {
@@ -44,8 +49,9 @@ impl Projection {
         let wrong = |p: &f64| !within(*p);
         match self {
             Projection::Pinhole => None,
-            Projection::Perspective(d) | Projection::Equidistant(d) => d.terms().find(wrong),
+            Projection::Perspective(d) | Projection::Equidistant(d) | Projection::Inward(d) => d.terms().find(wrong),
             Projection::FieldOfView { omega } => Some(*omega).filter(wrong),
+            Projection::Unified(Unified { alpha, beta }) => [*alpha, *beta].into_iter().find(wrong),
         }
     }
 }
@@ -60,7 +66,7 @@ impl Lens {
     ///
     /// # Errors
     /// In words: a parameter that is not finite or beyond 1e9, a focal length that is not above 0, an omega outside 0
-    /// to pi.
+    /// to pi, an alpha or a beta that is none.
     pub fn new(focal: DVec2, centre: DVec2, projection: Projection) -> Result<Lens, String> {
         let pixels = [focal.x, focal.y, centre.x, centre.y];
         if let Some(bad) = pixels.into_iter().find(|p| !within(*p)).or_else(|| projection.beyond()) {
@@ -73,6 +79,9 @@ impl Lens {
             && !(0.0..PI).contains(&omega)
         {
             return Err(format!("omega is {omega}; it must be at least 0 and below pi"));
+        }
+        if let Projection::Unified(unified) = projection {
+            unified.check()?;
         }
         Ok(Lens { focal, centre, projection, reach: reach(&projection) })
     }
@@ -117,6 +126,8 @@ impl Lens {
                 let across = if angle > 0.0 { q * (sin / angle) } else { DVec2::ZERO };
                 across.extend(cos)
             }),
+            Projection::Inward(d) => self.reach.apply(d, at).map(|q| q.extend(1.0).normalize()),
+            Projection::Unified(unified) => unified.ray(at),
             Projection::FieldOfView { omega } => {
                 distortion::undo_field_of_view(*omega, at).map(|q| q.extend(1.0).normalize())
             }
@@ -138,6 +149,8 @@ impl Lens {
                 seen.then(|| if length > 0.0 { across * (angle / length) } else { DVec2::ZERO })
                     .and_then(|q| self.reach.apply(d, q))
             }
+            Projection::Inward(d) => flat().and_then(|q| self.reach.undo(d, q)),
+            Projection::Unified(unified) => unified.project(point),
             Projection::FieldOfView { omega } => flat().map(|q| distortion::field_of_view(*omega, q)),
         };
         moved.map(|at| self.focal * at + self.centre)
@@ -147,8 +160,8 @@ impl Lens {
 /// How far out a projection's distortion can be undone.
 fn reach(projection: &Projection) -> Reach {
     match projection {
-        Projection::Perspective(d) => Reach::of(d, FARTHEST),
+        Projection::Perspective(d) | Projection::Inward(d) => Reach::of(d, FARTHEST),
         Projection::Equidistant(d) => Reach::of(d, PI),
-        Projection::Pinhole | Projection::FieldOfView { .. } => Reach::default(),
+        Projection::Pinhole | Projection::FieldOfView { .. } | Projection::Unified(_) => Reach::default(),
     }
 }

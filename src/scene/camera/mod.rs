@@ -10,12 +10,14 @@ mod lens;
 mod reach;
 #[cfg(test)]
 mod tests;
+mod unified;
 
 use glam::{DVec2, DVec3};
 
 pub(crate) use distortion::Distortion;
 pub use lens::Lens;
 pub(crate) use lens::Projection;
+pub(crate) use unified::Unified;
 
 /// The most pixels along a side of an image.
 const LONGEST: u64 = 999_999;

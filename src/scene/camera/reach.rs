@@ -28,7 +28,11 @@ impl Reach {
     /// The reach of a distortion, up to the radius `most`.
     pub(super) fn of(distortion: &Distortion, most: f64) -> Self {
         let radii = std::iter::successors(Some(FIRST), |r| Some(r * RATIO)).take_while(|r| *r < most);
-        let grows = |r: &f64| distortion.outward(*r).1 > 0.0 && distortion.outward(*r).0.is_finite();
+        // Beyond a pole of the rational terms, the radius grows again from below 0.
+        let grows = |r: &f64| {
+            let (outward, slope) = distortion.outward(*r);
+            slope > 0.0 && outward > 0.0 && outward.is_finite()
+        };
         let radius = radii.chain([most]).take_while(grows).last().unwrap_or(0.0);
         let edge = distortion.outward(radius).0;
         Reach { radius, edge }

@@ -28,6 +28,12 @@ fn cameras() -> Vec<Named> {
             flat(Distortion { tangential, rational, ..Distortion::radial([6.2, 11.0, 0.9]) })
         }),
         ("field of view", [2200.0, 2210.0], Projection::FieldOfView { omega: 0.92 }),
+        ("inward radial", [2900.0; 2], Projection::Inward(radial([-0.12, 0.0]))),
+        ("division", [2900.0, 2910.0], {
+            Projection::Inward(Distortion { rational: [-0.21, 0.0, 0.0], ..Distortion::default() })
+        }),
+        ("unified", [2000.0, 2010.0], Projection::Unified(Unified { alpha: 0.58, beta: 1.1 })),
+        ("near unified", [2000.0, 2010.0], Projection::Unified(Unified { alpha: 0.31, beta: 0.9 })),
         ("fisheye", [1500.0, 1505.0], wide(Distortion::radial([0.03, -0.012, 0.004, -0.0009]))),
         ("radial fisheye", [1500.0; 2], wide(radial([-0.02, 0.003]))),
         ("simple fisheye", [1500.0; 2], wide(radial([-0.02, 0.0]))),
@@ -45,7 +51,7 @@ fn cameras() -> Vec<Named> {
     .map(|(name, focal, projection)| {
         let lens = Lens::new(focal.into(), DVec2::new(2010.5, 1488.25), projection).unwrap();
         let camera = Camera::new(4000, 3000, lens).unwrap();
-        Named { name, camera, fisheye: matches!(projection, Projection::Equidistant(_)) }
+        Named { name, camera, fisheye: matches!(projection, Projection::Equidistant(_) | Projection::Unified(_)) }
     })
     .collect()
 }
@@ -116,9 +122,26 @@ fn where_a_lens_folds_there_is_no_ray() {
 }
 
 #[test]
+fn the_division_model_is_that_of_its_formula() {
+    // Fitzgibbon 2001: ideal = image / (1 + k r2), r2 of the image.
+    let k = -0.25;
+    let division = Projection::Inward(Distortion { rational: [k, 0.0, 0.0], ..Distortion::default() });
+    let lens = Lens::new(DVec2::splat(100.0), DVec2::splat(100.0), division).unwrap();
+    let camera = Camera::new(200, 200, lens).unwrap();
+    let ray = camera.ray(DVec2::new(160.0, 180.0)).unwrap();
+    let ideal = DVec2::new(0.6, 0.8) / (1.0 + k);
+    assert!((ray.truncate() / ray.z).distance(ideal) < 1e-12, "{ray}");
+    // At r = 2 stands the pole: what lies beyond is no image.
+    assert!(camera.ray(DVec2::new(299.0, 100.0)).is_some());
+    assert_eq!(camera.ray(DVec2::new(301.0, 100.0)), None);
+}
+
+#[test]
 fn derivatives_are_those_of_differences() {
     for Named { name, camera, .. } in cameras() {
-        let (Projection::Perspective(distortion) | Projection::Equidistant(distortion)) = camera.lens.projection()
+        let (Projection::Perspective(distortion)
+        | Projection::Equidistant(distortion)
+        | Projection::Inward(distortion)) = camera.lens.projection()
         else {
             continue;
         };
@@ -149,6 +172,7 @@ fn a_smaller_image_sees_the_same_at_the_same_place() {
 fn what_is_no_lens_or_no_camera_is_refused_in_words() {
     let lens = |focal: [f64; 2], centre: [f64; 2], projection| Lens::new(focal.into(), centre.into(), projection);
     let omega = |omega| Projection::FieldOfView { omega };
+    let unified = |alpha, beta| Projection::Unified(Unified { alpha, beta });
     let prism = Distortion { prism: [0.0, 0.0, 0.0, f64::INFINITY], ..Distortion::default() };
     for (made, words) in [
         (lens([1.0, 0.0], [1.0; 2], Projection::Pinhole), "a focal length is 0; it must be above 0"),
@@ -161,6 +185,9 @@ fn what_is_no_lens_or_no_camera_is_refused_in_words() {
         (lens([1.0; 2], [1.0; 2], Projection::Equidistant(prism)), "a parameter is inf"),
         (lens([1.0; 2], [1.0; 2], omega(-0.1)), "omega is -0.1; it must be at least 0 and below pi"),
         (lens([1.0; 2], [1.0; 2], omega(f64::NAN)), "a parameter is NaN"),
+        (lens([1.0; 2], [1.0; 2], unified(1.1, 1.0)), "alpha is 1.1; it must be 0 to 1"),
+        (lens([1.0; 2], [1.0; 2], unified(0.5, 0.0)), "beta is 0; it must be above 0"),
+        (lens([1.0; 2], [1.0; 2], unified(0.5, f64::NAN)), "a parameter is NaN"),
     ] {
         let why = made.unwrap_err();
         assert!(why.contains(words), "{why}");

@@ -4,16 +4,19 @@ use std::path::Path;
 
 use super::{binary, text};
 use crate::base::{Error, Result};
-use crate::codec::poses::format::{Missing, PoseFormat, Target};
+use crate::codec::poses::format::{Missing, PoseFormat, Posed, Target};
+use crate::scene::camera::Camera;
 use crate::scene::frame::Frame;
 
 /// The folder of a COLMAP sparse model, binary or text.
 pub const COLMAP: PoseFormat = PoseFormat {
     name: "colmap",
+    programs: "COLMAP, GLOMAP",
     target: Target::Folder,
     advice: "name the folder that holds cameras.bin and images.bin, or both as .txt",
+    is_at: |folder| has(folder, "bin") || has(folder, "txt"),
     missing,
-    read,
+    read: |folder, _| read(folder).map(Posed::from),
 };
 
 /// Where below a folder a model usually lies.
@@ -38,6 +41,14 @@ fn read(folder: &Path) -> Result<Vec<Frame>> {
         let found = "no COLMAP model: cameras.bin and images.bin, or cameras.txt and images.txt, are needed";
         Err(Error::malformed(folder, found))
     }
+}
+
+/// The camera of a `cameras.txt` that holds one.
+///
+/// # Errors
+/// A file that cannot be read, none or several cameras, one that is no lens.
+pub(in crate::codec::poses) fn only_camera(file: &Path) -> Result<Camera> {
+    text::cameras(file)?.only().map_err(|why| Error::malformed(file, why))
 }
 
 /// Whether a folder holds both files of a model with this ending.

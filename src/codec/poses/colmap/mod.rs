@@ -11,6 +11,7 @@ mod format;
 mod models;
 #[cfg(test)]
 mod models_tests;
+mod nearest;
 mod posed;
 #[cfg(test)]
 mod tests;
@@ -18,4 +19,6 @@ mod text;
 mod write;
 
 pub use format::COLMAP;
+pub(super) use format::only_camera;
+pub(crate) use nearest::with_lenses_of_colmap;
 pub use write::{Encoding, write_model};

@@ -6,7 +6,7 @@ use std::cmp::Reverse;
 use glam::DVec2;
 
 use crate::base::shown::short;
-use crate::scene::camera::{Camera, Distortion, Lens, Projection};
+use crate::scene::camera::{Camera, Distortion, Lens, Projection, Unified};
 
 /// A camera model. Its parameters are the focal lengths, the principal point, and then the terms.
 #[derive(Debug)]
@@ -27,10 +27,15 @@ enum Family {
     Equidistant,
     /// Equidistant, with tangential and prism terms that act on the point that the radial term gives.
     Chained,
+    /// The division models: the distortion says the way back.
+    Inward,
     FieldOfView,
+    Unified,
+    /// A panorama: its pixels are angles, and what stands in place of the principal point is its size.
+    Panorama,
 }
 
-/// A parameter after the principal point: a term of the distortion, by its position there, or omega.
+/// A parameter after the principal point: a term of the distortion, by its position there, or one of the other models.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Term {
     K(usize),
@@ -38,16 +43,18 @@ enum Term {
     P(usize),
     S(usize),
     Omega,
+    Alpha,
+    Beta,
 }
 
-use Term::{D, K, Omega, P, S};
+use Term::{Alpha, Beta, D, K, Omega, P, S};
 
 const fn model(name: &'static str, focal_lengths: usize, family: Family, terms: &'static [Term]) -> Model {
     Model { name, focal_lengths, family, terms }
 }
 
 /// The models. The position of a model is its id.
-static MODELS: [Model; 12] = [
+static MODELS: [Model; 18] = [
     model("SIMPLE_PINHOLE", 1, Family::Pinhole, &[]),
     model("PINHOLE", 2, Family::Pinhole, &[]),
     model("SIMPLE_RADIAL", 1, Family::Perspective, &[K(0)]),
@@ -66,7 +73,19 @@ static MODELS: [Model; 12] = [
         Family::Chained,
         &[K(0), K(1), K(2), K(3), K(4), K(5), P(1), P(0), S(0), S(1), S(2), S(3)],
     ),
+    model("SIMPLE_DIVISION", 1, Family::Inward, &[D(0)]),
+    model("DIVISION", 2, Family::Inward, &[D(0)]),
+    model("SIMPLE_FISHEYE", 1, Family::Equidistant, &[]),
+    model("FISHEYE", 2, Family::Equidistant, &[]),
+    model("EUCM", 2, Family::Unified, &[Alpha, Beta]),
+    model(PANORAMA, 0, Family::Panorama, &[]),
 ];
+
+/// The model that has no lens.
+pub(super) const PANORAMA: &str = "EQUIRECTANGULAR";
+
+/// The first model that COLMAP has only since its version 4.
+const SINCE_4: usize = 12;
 
 fn known() -> String {
     MODELS.each_ref().map(|m| m.name).join(", ")
@@ -107,23 +126,27 @@ struct Parts {
     family: Family,
     distortion: Distortion,
     omega: f64,
+    alpha: f64,
+    beta: f64,
 }
 
 impl Parts {
     fn of(lens: &Lens) -> Parts {
-        let of = |family, distortion, omega| Parts { family, distortion, omega };
+        let of = |family, distortion| Parts { distortion, ..Parts::none(family) };
         match *lens.projection() {
-            Projection::Pinhole => of(Family::Pinhole, Distortion::default(), 0.0),
-            Projection::Perspective(d) => of(Family::Perspective, d, 0.0),
-            Projection::Equidistant(d) if d.chained => of(Family::Chained, d, 0.0),
-            Projection::Equidistant(d) => of(Family::Equidistant, d, 0.0),
-            Projection::FieldOfView { omega } => of(Family::FieldOfView, Distortion::default(), omega),
+            Projection::Pinhole => Parts::none(Family::Pinhole),
+            Projection::Perspective(d) => of(Family::Perspective, d),
+            Projection::Equidistant(d) if d.chained => of(Family::Chained, d),
+            Projection::Equidistant(d) => of(Family::Equidistant, d),
+            Projection::Inward(d) => of(Family::Inward, d),
+            Projection::FieldOfView { omega } => Parts { omega, ..Parts::none(Family::FieldOfView) },
+            Projection::Unified(Unified { alpha, beta }) => Parts { alpha, beta, ..Parts::none(Family::Unified) },
         }
     }
 
     fn none(family: Family) -> Parts {
         let distortion = Distortion { chained: family == Family::Chained, ..Distortion::default() };
-        Parts { family, distortion, omega: 0.0 }
+        Parts { family, distortion, omega: 0.0, alpha: 0.0, beta: 0.0 }
     }
 
     fn term(&mut self, term: Term) -> &mut f64 {
@@ -133,15 +156,20 @@ impl Parts {
             P(at) => &mut self.distortion.tangential[at],
             S(at) => &mut self.distortion.prism[at],
             Omega => &mut self.omega,
+            Alpha => &mut self.alpha,
+            Beta => &mut self.beta,
         }
     }
 
     fn projection(&self) -> Projection {
         match self.family {
-            Family::Pinhole => Projection::Pinhole,
+            // No lens is made of a panorama.
+            Family::Pinhole | Family::Panorama => Projection::Pinhole,
             Family::Perspective => Projection::Perspective(self.distortion),
             Family::Equidistant | Family::Chained => Projection::Equidistant(self.distortion),
+            Family::Inward => Projection::Inward(self.distortion),
             Family::FieldOfView => Projection::FieldOfView { omega: self.omega },
+            Family::Unified => Projection::Unified(Unified { alpha: self.alpha, beta: self.beta }),
         }
     }
 
@@ -164,20 +192,23 @@ impl Model {
         self.focal_lengths + 2 + self.terms.len()
     }
 
-    /// The camera of this model with these parameters.
+    /// The camera of this model with these parameters; `None` for a panorama, which has no lens.
     ///
     /// # Errors
     /// In words: too few or too many parameters, a parameter or a size out of range.
-    pub(super) fn camera(&self, width: u64, height: u64, parameters: &[f64]) -> Result<Camera, String> {
+    pub(super) fn camera(&self, width: u64, height: u64, parameters: &[f64]) -> Result<Option<Camera>, String> {
         if parameters.len() != self.count() {
             return Err(format!("{} parameters are given, and {} has {}", parameters.len(), self.name, self.count()));
+        }
+        if self.family == Family::Panorama {
+            return Ok(None);
         }
         let (focal, rest) = parameters.split_at(self.focal_lengths);
         let focal = DVec2::new(focal[0], focal[self.focal_lengths - 1]);
         let (centre, values) = (DVec2::new(rest[0], rest[1]), &rest[2..]);
         let mut parts = Parts::none(self.family);
         self.terms.iter().zip(values).for_each(|(term, value)| *parts.term(*term) = *value);
-        Camera::new(width, height, Lens::new(focal, centre, parts.projection())?)
+        Camera::new(width, height, Lens::new(focal, centre, parts.projection())?).map(Some)
     }
 
     /// Whether the model can say everything of a lens.
@@ -194,17 +225,21 @@ impl Model {
     }
 }
 
-/// The model with the fewest terms that says everything of a lens, with two focal lengths where there is a choice. Read
-/// again, it gives the same lens to the bit.
+/// The model with the fewest terms that says everything of a lens, with two focal lengths where there is a choice, and one
+/// that every COLMAP knows where there is one. Read again, it gives the same lens to the bit.
 ///
 /// # Errors
 /// In words: a lens that no model can say.
 pub(super) fn written(lens: &Lens) -> Result<Written, String> {
     let (focal, parts) = (lens.focal(), Parts::of(lens));
-    let fitting = (0..).zip(&MODELS).filter(|(_, model)| model.says(focal, parts));
-    let fewest = fitting.min_by_key(|(_, model)| (model.terms.len(), Reverse(model.focal_lengths)));
-    let Some((id, model)) = fewest else {
-        let kind = if parts.family == Family::Perspective { "a perspective" } else { "an equidistant" };
+    let fitting = MODELS.iter().enumerate().filter(|(_, model)| model.says(focal, parts));
+    let fewest = fitting.min_by_key(|(id, model)| (*id >= SINCE_4, model.terms.len(), Reverse(model.focal_lengths)));
+    let Some((id, model)) = fewest.and_then(|(id, model)| Some((i32::try_from(id).ok()?, model))) else {
+        let kind = match parts.family {
+            Family::Perspective => "a perspective",
+            Family::Inward => "an inward",
+            _ => "an equidistant",
+        };
         return Err(format!("no camera model of COLMAP has the terms {} of {kind} lens", parts.named()));
     };
     Ok(Written { id, name: model.name, parameters: model.parameters(focal, lens.centre(), parts) })

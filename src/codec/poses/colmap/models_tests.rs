@@ -8,7 +8,8 @@ use super::models::{by_id, by_name, written};
 use crate::scene::camera::Camera;
 
 fn camera(name: &str, width: u64, height: u64, parameters: &[f64]) -> Result<Camera, String> {
-    by_name(name)?.camera(width, height, parameters)
+    let made = by_name(name)?.camera(width, height, parameters)?;
+    made.ok_or_else(|| "a panorama".to_owned())
 }
 
 #[test]
@@ -49,6 +50,14 @@ fn single_points_by_hand() {
     let r = (2.0 * 0.45f64.tan()).atan() / 0.9;
     seen("FOV", &[10.0, 10.0, 50.0, 40.0, 0.9], tilted, (50.0 + 10.0 * r, 40.0));
     seen("FOV", &[10.0, 10.0, 50.0, 40.0, 0.0], tilted, (60.0, 40.0));
+    seen("SIMPLE_FISHEYE", &[10.0, 50.0, 40.0], tilted, (50.0 + 10.0 * t, 40.0));
+    seen("FISHEYE", &[10.0, 20.0, 50.0, 40.0], DVec3::new(0.0, 1.0, 1.0), (50.0, 40.0 + 20.0 * t));
+    // 0.5 / (1 - 0.8 / 4) = 0.625.
+    seen("SIMPLE_DIVISION", &[100.0, 50.0, 40.0, -0.8], DVec3::new(0.625, 0.0, 1.0), (100.0, 40.0));
+    seen("DIVISION", &[100.0, 200.0, 50.0, 40.0, -0.8], DVec3::new(0.0, 0.625, 1.0), (50.0, 140.0));
+    // d = sqrt(2 + 1): 1 / (0.6 sqrt 3 + 0.4).
+    let unified = 10.0 / (0.6 * 3.0f64.sqrt() + 0.4);
+    seen("EUCM", &[10.0, 10.0, 50.0, 40.0, 0.6, 2.0], tilted, (50.0 + unified, 40.0));
 }
 
 #[test]
@@ -69,6 +78,8 @@ fn a_lens_is_written_as_it_was_read_to_the_bit() {
         ("RADIAL_FISHEYE", one(&k[..2])),
         ("THIN_PRISM_FISHEYE", two(&k[..8])),
         ("RAD_TAN_THIN_PRISM_FISHEYE", two(&k)),
+        ("DIVISION", two(&k[..1])),
+        ("EUCM", two(&[0.6, 1.1])),
     ];
     for (name, parameters) in all {
         let read = camera(name, 4000, 3000, &parameters).unwrap();
@@ -91,6 +102,8 @@ fn a_lens_is_written_in_the_model_with_the_fewest_terms() {
         ("OPENCV", &[9.0, 9.5, 5.0, 4.0, 0.1, 0.2, 0.0, 0.0], "OPENCV"),
         ("FULL_OPENCV", &[9.0, 9.0, 5.0, 4.0, 0.1, 0.2, 0.0, 0.3, 0.0, 0.0, 0.0, 0.0], "OPENCV"),
         ("OPENCV_FISHEYE", &[9.0, 9.0, 5.0, 4.0, 0.0, 0.0, 0.0, 0.0], "SIMPLE_RADIAL_FISHEYE"),
+        ("FISHEYE", &[9.0, 9.5, 5.0, 4.0], "OPENCV_FISHEYE"),
+        ("SIMPLE_DIVISION", &[9.0, 5.0, 4.0, 0.1], "DIVISION"),
     ] {
         let camera = camera(name, 10, 8, parameters).unwrap();
         let written = written(&camera.lens).unwrap();
@@ -113,17 +126,17 @@ fn nonsense_is_refused_in_words() {
         let why = camera(name, width, 10, parameters).unwrap_err();
         assert!(why.contains(words), "{why}");
     }
-    assert!(by_id(12).is_err() && by_id(-1).is_err());
+    assert!(by_id(18).is_err() && by_id(-1).is_err());
 }
 
 #[test]
 fn no_finite_parameters_break_a_lens() {
     for k in [1e9, -1e9, 1e300, 1e-300, -50.0, 50.0] {
-        for id in 0..12 {
+        for id in 0..17 {
             let model = by_id(id).unwrap();
             let mut parameters = vec![k; model.count()];
             parameters[..2].fill(100.0);
-            let Ok(camera) = model.camera(200, 100, &parameters) else { continue };
+            let Ok(Some(camera)) = model.camera(200, 100, &parameters) else { continue };
             for pixel in [DVec2::ZERO, DVec2::new(100.0, 50.0), DVec2::new(199.5, 99.5)] {
                 if let Some(ray) = camera.ray(pixel) {
                     assert!((ray.length() - 1.0).abs() < 1e-9, "{} {k}: {ray}", model.name);

@@ -6,13 +6,13 @@ use glam::{DQuat, DVec2, DVec3};
 
 use super::*;
 use crate::base::Result;
-use crate::codec::poses;
+use crate::codec::poses::{self, NoPhotographs};
 use crate::scene::camera::{Camera, Distortion, Lens, Projection};
 use crate::scene::frame::Frame;
 use crate::scene::pose::Pose;
 
 fn read_model(folder: &Path) -> Result<Vec<Frame>> {
-    poses::read(&COLMAP, folder)
+    poses::read(&COLMAP, folder, &NoPhotographs)
 }
 
 fn frames() -> Vec<Frame> {
@@ -118,6 +118,19 @@ fn faults_name_file_element_and_what_was_found() {
         let error = read_model(folder.path()).unwrap_err().to_string();
         assert!(error.contains(words), "{cameras}{images}: {error}");
     }
+}
+
+#[test]
+fn a_panorama_is_refused_only_where_an_image_uses_it() {
+    let cameras = "1 PINHOLE 400 300 200 200 200 150\n2 EQUIRECTANGULAR 800 400 800 400\n";
+    let image = "7 1 0 0 0 1 2 3 1 a.jpg\n\n";
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("cameras.txt"), cameras).unwrap();
+    fs::write(folder.path().join("images.txt"), image).unwrap();
+    assert_eq!(read_model(folder.path()).unwrap().len(), 1);
+    fs::write(folder.path().join("images.txt"), format!("{image}8 1 0 0 0 1 2 3 2 b.jpg\n\n")).unwrap();
+    let why = read_model(folder.path()).unwrap_err().to_string();
+    assert!(why.contains("line 3: its camera is of the model EQUIRECTANGULAR, which has no lens"), "{why}");
 }
 
 #[test]

@@ -23,7 +23,7 @@ fn read(bytes: &[u8]) -> bool {
         fs::remove_file(folder.join(name).with_extension(other)).unwrap_or_default();
         fs::write(folder.join(name).with_extension(ending), bytes).unwrap();
     }
-    let frames = match poses::read(&poses::COLMAP, &folder) {
+    let frames = match poses::read(&poses::COLMAP, &folder, &poses::NoPhotographs) {
         Ok(frames) => frames,
         Err(why) => {
             assert!(why.to_string().len() < 4096, "an error of {} bytes", why.to_string().len());

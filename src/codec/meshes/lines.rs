@@ -1,0 +1,39 @@
+//! The lines of a text that may be anything: none is gathered without end.
+
+use std::io::{BufRead, Read};
+use std::path::Path;
+
+use crate::base::{Error, Result};
+
+/// The most bytes of a line.
+const LONGEST: u64 = 1 << 20;
+
+/// The lines of a file.
+pub(super) struct Lines<R> {
+    reader: R,
+    number: u64,
+}
+
+impl<R: BufRead> Lines<R> {
+    /// The lines that a reader has from here on.
+    pub(super) fn of(reader: R) -> Self {
+        Lines { reader, number: 0 }
+    }
+
+    /// The next line and its number, counted from 1; `None` at the end.
+    ///
+    /// # Errors
+    /// The system's; a line of more than a MiB.
+    pub(super) fn next(&mut self, path: &Path) -> Result<Option<(u64, String)>> {
+        let mut bytes = Vec::new();
+        let read = (&mut self.reader).take(LONGEST).read_until(b'\n', &mut bytes);
+        if read.map_err(Error::io("read", path))? == 0 {
+            return Ok(None);
+        }
+        self.number += 1;
+        if bytes.len() as u64 == LONGEST {
+            return Err(Error::malformed(path, format!("line {} is longer than {LONGEST} bytes", self.number)));
+        }
+        Ok(Some((self.number, String::from_utf8_lossy(&bytes).into_owned())))
+    }
+}

@@ -1,0 +1,127 @@
+//! The photographs that poses are of, as far as a format has to look at them: some files name photographs by a path of
+//! another machine or by their place in a list, and some do not say how large they are.
+
+use std::cell::OnceCell;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use crate::base::{Error, Result};
+use crate::codec::images::{self, Size, is_picture};
+
+/// The door to the photographs of a scene.
+pub trait Photographs {
+    /// The names of all photographs: paths below the image folder, with `/` between folders, sorted.
+    ///
+    /// # Errors
+    /// A folder that cannot be read.
+    fn names(&self) -> Result<&[String]>;
+
+    /// The size of a photograph, by its header.
+    ///
+    /// # Errors
+    /// A photograph that is not there or cannot be read.
+    fn size(&self, name: &str) -> Result<Size>;
+}
+
+/// The most photographs of a folder, and the most folders above one another: a link may lead round.
+const MOST: usize = 1_000_000;
+const DEEPEST: usize = 16;
+
+/// The photographs in a folder and the folders below.
+#[derive(Debug)]
+pub struct PhotographFolder {
+    path: PathBuf,
+    names: OnceCell<Vec<String>>,
+}
+
+impl PhotographFolder {
+    /// The photographs in a folder, which is looked at when a format asks.
+    pub fn new(path: &Path) -> Self {
+        PhotographFolder { path: path.to_owned(), names: OnceCell::new() }
+    }
+}
+
+impl Photographs for PhotographFolder {
+    fn names(&self) -> Result<&[String]> {
+        if let Some(names) = self.names.get() {
+            return Ok(names);
+        }
+        let mut found = Vec::new();
+        // A scene may be posed before its photographs are there.
+        if self.path.is_dir() {
+            add(&self.path, "", DEEPEST, &mut found)?;
+        }
+        found.sort();
+        Ok(self.names.get_or_init(|| found))
+    }
+
+    fn size(&self, name: &str) -> Result<Size> {
+        let size = images::size(&self.path.join(name));
+        size.map_err(|why| why.doing("read an image's size, which the poses do not say"))
+    }
+}
+
+/// Adds the pictures of a folder, whose name below the image folder is `prefix`.
+fn add(folder: &Path, prefix: &str, depth: usize, found: &mut Vec<String>) -> Result<()> {
+    for entry in fs::read_dir(folder).map_err(Error::io("read", folder))? {
+        let path = entry.map_err(Error::io("read", folder))?.path();
+        let Some(name) = path.file_name().and_then(|name| name.to_str()) else { continue };
+        if found.len() >= MOST {
+            return Err(Error::malformed(folder, format!("more than {MOST} photographs lie here and below")));
+        }
+        if path.is_dir() {
+            if depth > 0 {
+                add(&path, &format!("{prefix}{name}/"), depth - 1, found)?;
+            }
+        } else if is_picture(&path) {
+            found.push(format!("{prefix}{name}"));
+        }
+    }
+    Ok(())
+}
+
+/// No photographs: poses alone are looked at.
+#[derive(Debug, Clone, Copy)]
+pub struct NoPhotographs;
+
+impl Photographs for NoPhotographs {
+    fn names(&self) -> Result<&[String]> {
+        Ok(&[])
+    }
+
+    fn size(&self, name: &str) -> Result<Size> {
+        let advice = "name the folder of the photographs";
+        Err(Error::invalid(format!(
+            "the size of {name} is not in the poses and has to be read from the image: {advice}"
+        )))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pictures_are_found_with_their_folders() {
+        let dir = tempfile::tempdir().unwrap();
+        fs::create_dir_all(dir.path().join("b/c")).unwrap();
+        for name in ["z.JPG", "b/a.png", "b/c/x.tif", "notes.txt"] {
+            fs::write(dir.path().join(name), "").unwrap();
+        }
+        let folder = PhotographFolder::new(dir.path());
+        assert_eq!(folder.names().unwrap(), ["b/a.png", "b/c/x.tif", "z.JPG"]);
+        assert!(folder.size("z.JPG").is_err());
+        assert!(PhotographFolder::new(&dir.path().join("nowhere")).names().unwrap().is_empty());
+        let why = NoPhotographs.size("a.jpg").unwrap_err().to_string();
+        assert!(why.contains("a.jpg") && why.contains("name the folder"), "{why}");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_that_leads_round_ends() {
+        let dir = tempfile::tempdir().unwrap();
+        fs::write(dir.path().join("a.jpg"), "").unwrap();
+        std::os::unix::fs::symlink(dir.path(), dir.path().join("round")).unwrap();
+        assert_eq!(PhotographFolder::new(dir.path()).names().unwrap().len(), DEEPEST + 1);
+    }
+}
