@@ -17,6 +17,7 @@ use ::gltf::{Document, Node};
 use glam::{DMat4, DVec3};
 
 use super::format::MeshFormat;
+use crate::base::guard::guarded;
 use crate::base::input::Input;
 use crate::base::shown::{brief, shown};
 use crate::base::{Error, Result};
@@ -110,7 +111,9 @@ fn document(json: &[u8]) -> Result<Document, String> {
     }
     // What else a viewer must have does not move a vertex.
     root.extensions_required.clear();
-    Document::from_json(root).map_err(|why| brief(&why))
+    // The check of indices panics where a list is shorter than an index into it.
+    let checked = guarded(|| Document::from_json(root));
+    checked.map_err(|why| format!("its JSON leads nowhere: {why}"))?.map_err(|why| brief(&why))
 }
 
 /// What has been told so far.

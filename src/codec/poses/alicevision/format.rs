@@ -8,6 +8,7 @@ use glam::{DMat3, DVec3};
 use serde::Deserialize;
 
 use super::lens::Intrinsic;
+use crate::base::convert::Cut;
 use crate::base::shown::shown;
 use crate::base::{Error, Result};
 use crate::codec::poses::format::{PoseFormat, Posed, Target};
@@ -100,8 +101,7 @@ impl Transform {
 fn read(path: &Path, photographs: &dyn Photographs) -> Result<Posed> {
     let file = file(path).ok_or_else(|| Error::malformed(path, "no .sfm file is there"))?;
     let scene: Scene = json::read(&file)?;
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "as saturates, and versions are small")]
-    let version = values(scene.version).map(|part| part as u64);
+    let version = values(scene.version).map(u64::cut);
     let poses: BTreeMap<&str, &Transform> =
         scene.poses.iter().map(|one| (one.pose_id.as_str(), &one.pose.transform)).collect();
     let written: Vec<String> = scene.views.iter().map(|view| view.path.clone()).collect();
@@ -136,12 +136,7 @@ impl View {
     fn within_rig(&self, rigs: &[Rig], pose: Pose) -> Result<Pose, String> {
         let independent = self.is_pose_independant.as_deref().is_some_and(|text| text == "true" || text == "1");
         let Some(id) = self.rig_id.as_deref().filter(|_| !independent) else { return Ok(pose) };
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "as saturates, and no rig is so large"
-        )]
-        let at = self.sub_pose_id.map_or(0, |number| number.0 as usize);
+        let at = self.sub_pose_id.map_or(0, |number| usize::cut(number.0));
         let rig = rigs.iter().find(|rig| rig.rig_id == id);
         let within = rig.and_then(|rig| rig.sub_poses.get(at));
         let within =

@@ -4,6 +4,7 @@
 use glam::DVec2;
 use serde::Deserialize;
 
+use crate::base::convert::Cut;
 use crate::base::shown::shown;
 use crate::codec::poses::json::Number;
 use crate::scene::camera::{Camera, Distortion, Lens, Projection};
@@ -130,7 +131,6 @@ impl Intrinsic {
 /// In words: what is no whole number of pixels.
 fn pixels(what: &str, side: Number) -> Result<u32, String> {
     let whole = side.0 >= 1.0 && side.0 <= 999_999.0 && side.0.fract() == 0.0;
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "checked: 1 to 999999, whole")]
-    let pixels = side.0 as u32;
+    let pixels = u32::cut(side.0);
     if whole { Ok(pixels) } else { Err(format!("{what} is {}; whole pixels are needed, 1 to 999999", side.0)) }
 }

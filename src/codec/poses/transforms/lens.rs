@@ -3,6 +3,7 @@
 use glam::DVec2;
 use serde::Deserialize;
 
+use crate::base::convert::Cut;
 use crate::base::shown::shown;
 use crate::codec::images::Size;
 use crate::codec::poses::json::Number;
@@ -60,8 +61,7 @@ impl Intrinsics {
     pub(super) fn size(&self) -> Result<Option<Size>, String> {
         let side = |name: &str, value: Number| {
             let whole = value.0 >= 1.0 && value.0 <= 999_999.0 && value.0.fract() == 0.0;
-            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "checked: 1 to 999999, whole")]
-            let pixels = value.0 as u32;
+            let pixels = u32::cut(value.0);
             if whole { Ok(pixels) } else { Err(format!("{name} is {}; whole pixels are needed, 1 to 999999", value.0)) }
         };
         let (Some(w), Some(h)) = (self.w, self.h) else { return Ok(None) };
