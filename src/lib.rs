@@ -52,6 +52,7 @@
 
 mod after;
 mod base;
+mod before;
 mod cache;
 mod cli;
 mod codec;

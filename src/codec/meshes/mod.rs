@@ -8,4 +8,4 @@ pub(crate) mod ply;
 mod two_passes;
 
 pub use list::read;
-pub(crate) use list::read_from;
+pub(crate) use list::{is_named, look, read_from};

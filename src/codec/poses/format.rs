@@ -13,10 +13,14 @@ use crate::scene::frame::Frame;
 pub struct PoseFormat {
     /// The format's name in a pipeline file.
     pub name: &'static str,
+    /// The programs that write the format, as people call them.
+    pub programs: &'static str,
     /// The kind of thing that `path` leads to.
     pub target: Target,
     /// What a user does if nothing is at `path`, as in "name the folder that holds cameras.bin".
     pub advice: &'static str,
+    /// Whether what lies at a path is of the format: looks at names and at the first bytes of a file.
+    pub is_at: fn(&Path) -> bool,
     /// What is missing at a `path` that leads to something; `None` where `read` finds its files. Looks at names only.
     pub missing: fn(&Path) -> Option<Missing>,
     /// Reads the frames, in any order; [`read`](super::read()) checks their names. Its errors name the file and the

@@ -8,6 +8,6 @@ mod read;
 
 pub use colmap::COLMAP;
 pub(crate) use format::{PoseFormat, Target};
-pub(crate) use list::NAMES;
-pub(crate) use names::resolve;
+pub(crate) use list::{FORMATS, NAMES};
+pub(crate) use names::{Alike, resolve};
 pub use read::read;

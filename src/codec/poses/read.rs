@@ -74,8 +74,10 @@ mod tests {
     /// A format of the test's own: a file with a name a line, whose camera stands at the line's number.
     const NAMES: PoseFormat = PoseFormat {
         name: "names",
+        programs: "the test",
         target: Target::File,
         advice: "name a file of names",
+        is_at: Path::is_file,
         missing: |path| {
             let empty = std::fs::metadata(path).is_ok_and(|file| file.len() == 0);
             empty.then_some(Missing { rule: "must hold a name", instead: None })

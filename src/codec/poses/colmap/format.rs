@@ -10,8 +10,10 @@ use crate::scene::frame::Frame;
 /// The folder of a COLMAP sparse model, binary or text.
 pub const COLMAP: PoseFormat = PoseFormat {
     name: "colmap",
+    programs: "COLMAP, GLOMAP",
     target: Target::Folder,
     advice: "name the folder that holds cameras.bin and images.bin, or both as .txt",
+    is_at: |folder| has(folder, "bin") || has(folder, "txt"),
     missing,
     read,
 };
