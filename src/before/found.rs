@@ -1,5 +1,6 @@
 //! What was found in a project's folder: what is told of it, and the values of its pipeline file.
 
+use std::cmp::Reverse;
 use std::path::{Path, PathBuf};
 
 use super::cameras::{self, Cameras};
@@ -85,8 +86,15 @@ impl Found {
         if let Some(cameras) = self.cameras() {
             tell("poses", format!("{}: {}", named(&cameras.path), described(cameras)));
             if let Some(Upright { up: [x, y, z], leans, sure }) = Upright::of(&cameras.frames) {
+                // Nothing is shown as -0.000.
+                let [x, y, z] = [x, y, z].map(|component| component + 0.0);
                 let unsure = if sure { "" } else { "; this is unsure: give [scene] up" };
-                tell("up", format!("[{x:.3}, {y:.3}, {z:.3}], from which the cameras lean by {leans:.1} degrees{unsure}"));
+                tell(
+                    "up",
+                    format!(
+                        "[{x:.3}, {y:.3}, {z:.3}], as the cameras tell, whose rows lean by {leans:.1} degrees{unsure}"
+                    ),
+                );
             }
         }
         if let Some(others) = others(self.posed.iter().map(|(cameras, _)| named(&cameras.path))) {
@@ -96,7 +104,7 @@ impl Found {
             tell("photographs", photographed(found, cameras));
         }
         if let (Some(Masks { folder, count }), Some(found)) = (&self.masks, self.photographs()) {
-            tell("masks", format!("{}: of {count} of {} photographs", named(folder), found.count()));
+            tell("masks", format!("{}: {count} of {} photographs have one", named(folder), found.count()));
         }
         if let Some((file, bytes)) = self.surfaces.meshes.first() {
             tell("mesh", format!("{file}, {}", Bytes(*bytes)));
@@ -140,14 +148,16 @@ impl Found {
     }
 }
 
-/// The order of poses: those with the most photographs, then those whose sizes fit best, then what is nearest.
+/// The order of poses: those with the most photographs, then those whose sizes fit best, then those whose photographs are
+/// nearest: what is undistorted lies deeper than what it was made from, and has less of it.
 #[derive(PartialEq, Eq, PartialOrd, Ord)]
-struct Rank(std::cmp::Reverse<usize>, Option<Fit>);
+struct Rank(Reverse<usize>, Option<Fit>, usize);
 
 impl Rank {
     fn of(photographs: Option<&Photographs>) -> Rank {
         let count = photographs.map_or(0, Photographs::count);
-        Rank(std::cmp::Reverse(count), photographs.map(|found| found.fit.clone()))
+        let depth = photographs.map_or(0, |found| found.folder.matches('/').count());
+        Rank(Reverse(count), photographs.map(|found| found.fit.clone()), depth)
     }
 }
 

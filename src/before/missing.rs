@@ -44,10 +44,9 @@ impl Found {
                 "missing: the photographs\n  none of those that the poses name is here, as {}; put them into {IMAGES}, or link it",
                 first.name
             )),
-            Some(Photographs { fit: Fit::Not(why), folder, .. }) => Some(format!(
-                "missing: photographs of the cameras' sizes\n  in {}, {why}",
-                named(folder)
-            )),
+            Some(Photographs { fit: Fit::Not(why), folder, .. }) => {
+                Some(format!("missing: photographs of the cameras' sizes\n  in {}, {why}", named(folder)))
+            }
             Some(_) => None,
         }
     }
@@ -61,7 +60,10 @@ impl Found {
         let cloud = self.listing.files.iter().find(|file| file.rsplit('/').next() == Some("fused.ply"));
         match (cloud, self.cameras(), self.photographs()) {
             (Some(cloud), ..) => {
-                words.push_str(&format!("\n  colmap poisson_mesher --input_path {} --output_path {MESH}", quoted(cloud)));
+                words.push_str(&format!(
+                    "\n  colmap poisson_mesher --input_path {} --output_path {MESH}",
+                    quoted(cloud)
+                ));
             }
             (None, Some(cameras), Some(photographs)) if is_colmap => {
                 let (images, poses) = (quoted(named(&photographs.folder)), quoted(named(&cameras.path)));
@@ -72,7 +74,9 @@ impl Found {
                      \n  colmap poisson_mesher --input_path dense/fused.ply --output_path {MESH}"
                 ));
             }
-            _ => words.push_str("\n  export it from the program that posed the cameras, as PLY or OBJ, beside the poses"),
+            _ => {
+                words.push_str("\n  export it from the program that posed the cameras, as PLY or OBJ, beside the poses")
+            }
         }
         words
     }

@@ -35,7 +35,9 @@ pub(super) fn init(args: &Args) -> Answer {
             lines.push(format!("wrote {}", file.display()));
             lines.push(match missing.len() {
                 0 => format!("next: gonio check {folder} looks into every file, gonio run {folder} runs it"),
-                _ => format!("next: make what is missing, name it in the file if it lies elsewhere, then gonio check {folder}"),
+                _ => format!(
+                    "next: make what is missing, name it in the file if it lies elsewhere, then gonio check {folder}"
+                ),
             });
             lines.iter().try_for_each(|line| out(line))?;
         }

@@ -23,6 +23,7 @@ mod plan;
 mod print;
 mod process;
 mod progress;
+mod rate;
 mod render;
 mod report;
 mod run;
