@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 use super::cameras::{self, Cameras};
 use super::listing::{Listing, named};
 use super::masks::{self, Masks};
-use super::missing;
 use super::photographs::{self, Fit, Photographs};
 use super::surface::{self, Surfaces};
+use super::usual::{self, IMAGES, MESH, POSES};
 use crate::base::units::Bytes;
 use crate::base::{Error, Result};
 use crate::codec::images::is_picture;
@@ -57,7 +57,7 @@ impl Found {
             let words = format!(
                 "{} holds neither poses nor photographs nor a mesh: name the folder of a project\n{}",
                 root.display(),
-                missing::formats()
+                usual::formats()
             );
             return Err(Error::invalid(words));
         }
@@ -127,13 +127,13 @@ impl Found {
         };
         let (cameras, photographs) = (self.cameras(), self.photographs());
         let mut values = vec![
-            self.mesh().map_or_else(|| guess("scene.mesh", missing::MESH, "the mesh"), |mesh| path("scene.mesh", mesh)),
+            self.mesh().map_or_else(|| guess("scene.mesh", MESH, "the mesh"), |mesh| path("scene.mesh", mesh)),
             photographs.map_or_else(
-                || guess("scene.images", missing::IMAGES, "the folder of the photographs"),
+                || guess("scene.images", IMAGES, "the folder of the photographs"),
                 |found| path("scene.images", &found.folder),
             ),
             cameras.map_or_else(
-                || guess("scene.poses.path", missing::POSES, "the reconstruction"),
+                || guess("scene.poses.path", POSES, "the reconstruction"),
                 |cameras| path("scene.poses.path", &cameras.path),
             ),
             path("run.work", "gonio"),

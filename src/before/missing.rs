@@ -4,17 +4,9 @@ use super::cameras::database;
 use super::found::Found;
 use super::listing::named;
 use super::photographs::{Fit, Photographs};
+use super::usual::{IMAGES, MESH, formats};
 use crate::base::shown::quoted;
-use crate::codec::poses::{COLMAP, FORMATS};
-
-/// Where a mesh is looked for that is to be made.
-pub(super) const MESH: &str = "dense/meshed-poisson.ply";
-
-/// Where photographs are looked for that are to be put there.
-pub(super) const IMAGES: &str = "images";
-
-/// Where poses are looked for that are to be made.
-pub(super) const POSES: &str = "sparse/0";
+use crate::codec::poses::COLMAP;
 
 impl Found {
     /// What is missing, and how it is made, a few lines each.
@@ -80,10 +72,4 @@ impl Found {
         }
         words
     }
-}
-
-/// The formats of poses that are read.
-pub(super) fn formats() -> String {
-    let known: Vec<String> = FORMATS.iter().map(|format| format!("{} ({})", format.name, format.programs)).collect();
-    format!("gonio reads the poses of {}", known.join(", "))
 }

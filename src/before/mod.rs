@@ -8,6 +8,7 @@
 //! surface      the meshes
 //! found        all of it: what is told, and the values of the pipeline file
 //! missing      what is missing, and how people make it
+//! usual        what may be there, and where files are looked for that are to be made
 //! write        the pipeline file
 //! ```
 
@@ -20,6 +21,7 @@ mod photographs;
 mod surface;
 #[cfg(test)]
 mod tests;
+mod usual;
 mod write;
 
 pub(crate) use found::Found;
