@@ -35,7 +35,7 @@ pub(super) struct Photographs {
 pub(super) enum Fit {
     /// Photographs are so many times smaller.
     Smaller(u32),
-    /// They do not fit; the words say how.
+    /// The sizes do not fit; the words say how.
     Not(String),
 }
 
