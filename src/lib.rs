@@ -52,6 +52,7 @@
 
 mod after;
 mod base;
+mod before;
 mod cache;
 mod cli;
 mod codec;
@@ -82,7 +83,7 @@ pub use config::{Position, Problem, Problems};
 pub use flow::StopSignal;
 pub use phases::{
     Cause, FrameChange, FrameCounts, FrameInput, LightReport, PhaseProgress, PhaseReport, Progress, Report,
-    ShardCounts, StageReport, State, TriangleCounts, UnitCount, time_left,
+    ShardCounts, StageReport, State, TriangleCounts, UnitCount, share_done, time_left,
 };
 pub use pipeline::{Pipeline, load, template};
 pub use run::{Explanation, Foreseen, PhaseExplanation, Plan, PlannedPhase, explain, find_light, plan, run};

@@ -1,9 +1,9 @@
 //! What was typed.
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 
 use super::ending::Answer;
-use super::{check, eval, explain, export, inspect, light, plan, poses, render, run, synth, verify};
+use super::{check, eval, explain, export, init, inspect, light, plan, poses, render, run, shell, synth, verify};
 
 /// Recovers how every surface of a scene reflects light, from ordinary aerial photographs.
 ///
@@ -20,6 +20,8 @@ pub(super) struct Args {
 /// A command. Each has its options and its work in a file of its own.
 #[derive(Debug, Subcommand)]
 pub(super) enum Command {
+    /// Look at a project's folder and write its pipeline file, gonio.toml, in which every key is explained
+    Init(init::Args),
     /// Run a pipeline, or go on where it was stopped
     Run(run::Args),
     /// Find every problem of a pipeline file
@@ -48,12 +50,17 @@ pub(super) enum Command {
     Eval(eval::Eval),
     /// Write the exports of a finished run again
     Export(export::Args),
+    /// Print the completions of a shell, as for ~/.bashrc: source <(gonio completions bash)
+    Completions(shell::CompletionsArgs),
+    /// Print gonio's manual page, as for a pipe: gonio man | man -l -
+    Man(shell::ManArgs),
 }
 
 impl Command {
     /// Does what was asked.
     pub(super) fn run(self) -> Answer {
         match self {
+            Command::Init(args) => init::init(&args),
             Command::Run(args) => run::run(&args),
             Command::Check(args) => check::check(&args),
             Command::Plan(args) => plan::plan(&args),
@@ -67,14 +74,14 @@ impl Command {
             Command::Render(args) => render::render(&args),
             Command::Eval(what) => eval::eval(&what),
             Command::Export(args) => export::export(&args),
+            Command::Completions(args) => shell::completions(&args, Args::command()),
+            Command::Man(args) => shell::man(&args, Args::command()),
         }
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use clap::CommandFactory;
-
     use super::*;
 
     #[test]

@@ -9,7 +9,7 @@ use crate::pipeline::{Pipeline, load};
 /// A pipeline file and the settings laid over it.
 #[derive(Debug, clap::Args)]
 pub(super) struct PipelineArgs {
-    /// The pipeline file; pipelines/colmap.toml is one to copy
+    /// The pipeline file, or a folder with gonio.toml; `gonio init` writes one
     #[arg(value_name = "PIPELINE")]
     pub file: PathBuf,
     /// Set a key for this call; a path is then relative to the current folder

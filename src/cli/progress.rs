@@ -1,5 +1,5 @@
-//! Shows how far a run is, while it runs: redrawn in place on a terminal, a few plain lines every half minute where
-//! there is none, or JSON events.
+//! Shows how far a run is, while it runs: redrawn in place on a terminal, a few plain lines after three seconds and then every
+//! half minute where there is none, or JSON events.
 
 use std::io::Write;
 use std::time::{Duration, Instant};
@@ -7,10 +7,11 @@ use std::time::{Duration, Instant};
 use crossbeam_channel::{Receiver, RecvTimeoutError};
 use serde_json::{Value, json};
 
-use super::print::{clock, err, out, short};
+use super::print::{clock, err, out};
+use super::rate::{Rate, per_time};
 use crate::base::{Error, PhaseName, Result};
 use crate::flow::{Meter, Reading, StopSignal};
-use crate::phases::{PhaseProgress, Progress, State, time_left};
+use crate::phases::{PhaseProgress, Progress, State, share_done, time_left};
 
 /// How progress is shown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -30,6 +31,11 @@ impl Style {
             Style::Plain => Duration::from_secs(30),
             Style::Json => Duration::from_secs(1),
         }
+    }
+
+    /// The time before anything is shown: who reads a file of lines wants to know soon that it goes well.
+    fn first(self) -> Duration {
+        self.period().min(Duration::from_secs(3))
     }
 }
 
@@ -69,7 +75,7 @@ impl Show {
     /// # Errors
     /// Events that could not be written.
     pub(super) fn until(mut self, running: &Receiver<()>, progress: &Progress, stop: &StopSignal) -> Result<()> {
-        let mut shown = Instant::now();
+        let (mut shown, mut wait) = (self.started, self.style.first());
         loop {
             let ended = running.recv_timeout(Style::Terminal.period()) != Err(RecvTimeoutError::Timeout);
             self.tell(progress, stop);
@@ -77,9 +83,11 @@ impl Show {
                 self.clear();
                 return self.failed.map_or(Ok(()), Err);
             }
-            if shown.elapsed() >= self.style.period() || self.style == Style::Terminal {
-                shown = Instant::now();
-                self.draw(&progress.phases(), shown);
+            let now = Instant::now();
+            let due = now - shown >= wait || self.style == Style::Terminal;
+            // Between two phases there is nothing to show, and it stays due.
+            if due && self.draw(&progress.phases(), now) {
+                (shown, wait) = (now, self.style.period());
             }
         }
     }
@@ -124,26 +132,28 @@ impl Show {
         }
     }
 
-    fn draw(&mut self, phases: &[PhaseProgress], now: Instant) {
-        let Some(phase) = phases.iter().find(|p| matches!(p.state, State::Running(_))) else { return };
-        let left = time_left(phases, now);
+    /// Shows the phase that runs; says whether one does.
+    fn draw(&mut self, phases: &[PhaseProgress], now: Instant) -> bool {
+        let Some(phase) = phases.iter().find(|p| matches!(p.state, State::Running(_))) else { return false };
+        let (left, share) = (time_left(phases, now), share_done(phases, now));
         let rows = self.rows(phase, now);
         if self.style == Style::Json {
             let stages: Vec<Value> = rows.iter().map(Row::event).collect();
             let left = left.map(|d| d.as_secs_f64());
             let event = json!({
-                "event": "progress", "phase": phase.name, "done": phase.done(), "seconds_left": left, "stages": stages,
+                "event": "progress", "phase": phase.name, "done": phase.done(), "done_in_all": share, "seconds_left": left, "stages": stages,
             });
-            return self.event(&event);
+            self.event(&event);
+            return true;
         }
-        let mut lines = vec![headline(phase, now - self.started, left)];
+        let mut lines = vec![headline(phase, now - self.started, share, left)];
         lines.extend(rows.iter().map(Row::line));
-        if self.style == Style::Plain {
-            return err(&lines.join("\n"));
+        if self.style == Style::Terminal {
+            self.clear();
+            self.drawn = lines.len();
         }
-        self.clear();
-        self.drawn = lines.len();
         err(&lines.join("\n"));
+        true
     }
 
     /// Takes the lines off the terminal again.
@@ -160,46 +170,22 @@ impl Show {
         self.rates.resize(stages.len(), Rate::default());
         let total = phase.meters.first().and_then(|m| m.total());
         let last = stages.len().saturating_sub(1);
+        let since = if let State::Running(since) = phase.state { since } else { now };
         let mut row = |(at, (meter, reading)): (usize, &(&Meter, Reading))| {
             let items = if at == last { reading.items_in } else { reading.items_out };
             let name = format!("{}/{}", phase.name, meter.name());
             let rate = &mut self.rates[at];
-            rate.update(&name, items, now);
+            let per_second = rate.update(&name, items, since, now);
             Row {
                 name: meter.name().to_owned(),
                 items,
                 total: total.filter(|_| at == 0 || at == last),
-                per_second: rate.per_second,
+                per_second,
                 queue: (at > 0).then(|| (reading.queue, meter.queue_bound())),
                 reading: *reading,
             }
         };
         stages.iter().enumerate().map(&mut row).collect()
-    }
-}
-
-/// Items a second, smoothed over about ten seconds.
-#[derive(Debug, Clone, Default)]
-struct Rate {
-    of: String,
-    last: Option<(Instant, u64)>,
-    per_second: f64,
-}
-
-impl Rate {
-    fn update(&mut self, of: &str, items: u64, now: Instant) {
-        if self.of != of {
-            *self = Rate { of: of.to_owned(), ..Rate::default() };
-        }
-        if let Some((then, before)) = self.last {
-            let seconds = now.saturating_duration_since(then).as_secs_f64();
-            if seconds > 0.0 {
-                let current = items.saturating_sub(before) as f64 / seconds;
-                let weight = if self.per_second == 0.0 { 1.0 } else { 1.0 - (-seconds / 10.0).exp() };
-                self.per_second += weight * (current - self.per_second);
-            }
-        }
-        self.last = Some((now, items));
     }
 }
 
@@ -232,8 +218,8 @@ impl Row {
         let waits = format!("waits {input:3.0}% in {output:3.0}% out");
         let skipped = if self.reading.skipped > 0 { format!(" skip {}", self.reading.skipped) } else { String::new() };
         let name: String = self.name.chars().take(8).collect();
-        let (items, rate) = (format!("{}{of}", self.items), short(self.per_second));
-        let line = format!("  {name:8} {items:>13} {rate:>7}/s {queue:10} {waits}{skipped}");
+        let (items, rate) = (format!("{}{of}", self.items), per_time(self.per_second));
+        let line = format!("  {name:8} {items:>13} {rate:>9} {queue:10} {waits}{skipped}");
         line.chars().take(79).collect()
     }
 
@@ -248,10 +234,13 @@ impl Row {
     }
 }
 
-fn headline(phase: &PhaseProgress, elapsed: Duration, left: Option<Duration>) -> String {
-    let done = phase.done().map_or(String::new(), |share| format!(" {:.0}%", 100.0 * share));
-    let left = left.map_or(String::new(), |left| format!(", about {} left in all", clock(left.as_secs_f64())));
-    format!("{}{done}, {} so far{left}", phase.name, clock(elapsed.as_secs_f64()))
+/// The run as a whole, and the phase that it is at.
+fn headline(phase: &PhaseProgress, elapsed: Duration, share: Option<f64>, left: Option<Duration>) -> String {
+    let percent = |share: f64| format!(" {:.0}%", 100.0 * share);
+    let whole = share.map_or(String::new(), |share| format!("{} of all,", &percent(share)[1..]));
+    let done = phase.done().map_or(String::new(), percent);
+    let left = left.map_or(String::new(), |left| format!(", about {} left", clock(left.as_secs_f64())));
+    format!("{whole} {}{done}, {} so far{left}", phase.name, clock(elapsed.as_secs_f64())).trim_start().to_owned()
 }
 
 #[cfg(test)]
@@ -272,21 +261,29 @@ mod tests {
     }
 
     #[test]
-    fn the_headline_says_how_long() {
-        let (name, state) = (PhaseName::Cast, State::Waiting);
-        let phase = PhaseProgress { name, expected: Duration::ZERO, state, meters: Vec::new() };
-        let line = headline(&phase, Duration::from_secs(187), Some(Duration::from_secs(18_187)));
-        insta::assert_snapshot!(line, @r#"cast, 3:07 so far, about 5:03:07 left in all"#);
+    fn whoever_reads_a_file_of_lines_sees_the_first_soon_and_few_later() {
+        let seconds = |style: Style| [style.first(), style.period()].map(|wait| wait.as_secs_f64());
+        assert_eq!([Style::Plain, Style::Json, Style::Terminal].map(seconds), [[3.0, 30.0], [1.0, 1.0], [0.25, 0.25]]);
     }
 
     #[test]
-    fn a_rate_settles_and_starts_anew_with_another_stage() {
-        let (mut rate, start) = (Rate::default(), Instant::now());
-        for second in 0..60 {
-            rate.update("a", 10 * second, start + Duration::from_secs(second));
-        }
-        assert!((rate.per_second - 10.0).abs() < 1e-9, "{}", rate.per_second);
-        rate.update("b", 0, start + Duration::from_secs(60));
-        assert_eq!(rate.per_second, 0.0);
+    fn a_rate_is_shown_with_the_first_line() {
+        let (mut show, now) = (Show::new(Style::Plain), Instant::now());
+        let meters = ["frames", "cast"].map(|name| std::sync::Arc::new(Meter::new(name, 1, 0, Some(9)))).to_vec();
+        let state = State::Running(now - Duration::from_secs(3));
+        let phase = PhaseProgress { name: PhaseName::Cast, expected: Duration::ZERO, state, meters };
+        (0..6).for_each(|_| phase.meters[0].passed());
+        let rows = show.rows(&phase, now);
+        assert_eq!(rows[0].per_second, 2.0);
+        assert!(!show.draw(&[], now) && show.draw(&[phase], now), "between two phases there is nothing to show");
+    }
+
+    #[test]
+    fn the_headline_says_how_long() {
+        let (name, state) = (PhaseName::Cast, State::Waiting);
+        let phase = PhaseProgress { name, expected: Duration::ZERO, state, meters: Vec::new() };
+        let line = |share| headline(&phase, Duration::from_secs(187), share, Some(Duration::from_secs(18_187)));
+        insta::assert_snapshot!(line(None), @"cast, 3:07 so far, about 5:03:07 left");
+        insta::assert_snapshot!(line(Some(0.0123)), @"1% of all, cast, 3:07 so far, about 5:03:07 left");
     }
 }

@@ -132,7 +132,7 @@ impl Meter {
     }
 
     /// Counts an item passed on.
-    pub(super) fn passed(&self) {
+    pub(crate) fn passed(&self) {
         self.items_out.fetch_add(1, Ordering::Relaxed);
     }
 

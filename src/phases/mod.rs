@@ -37,7 +37,7 @@ pub(crate) use known::{Known, Look};
 pub(crate) use light::end_light;
 pub(crate) use list::PHASES;
 pub(crate) use phase::Phase;
-pub use progress::{PhaseProgress, Progress, State, time_left};
+pub use progress::{PhaseProgress, Progress, State, share_done, time_left};
 pub use report::{FrameCounts, LightReport, PhaseReport, Report, ShardCounts, StageReport, TriangleCounts, UnitCount};
 pub(crate) use report_file::{REPORT, read_report, remove_report, write_report};
 pub(crate) use scene::{LoadedScene, Meshes};

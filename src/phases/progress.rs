@@ -145,6 +145,20 @@ pub fn time_left(phases: &[PhaseProgress], now: Instant) -> Option<Duration> {
     seconds_left(&timings).and_then(|s| Duration::try_from_secs_f64(s).ok())
 }
 
+/// The share of all phases together that is done, by time, in [0, 1], where anything can be said.
+pub fn share_done(phases: &[PhaseProgress], now: Instant) -> Option<f64> {
+    let timings: Vec<Timing> = phases.iter().map(|p| p.timing(now)).collect();
+    share(&timings)
+}
+
+fn share(phases: &[Timing]) -> Option<f64> {
+    let (left, elapsed) = (seconds_left(phases)?, phases.iter().map(|p| p.elapsed).sum::<f64>());
+    let all = left + elapsed;
+    // A phase may take longer than it was expected to, and is not over for that.
+    let most = if phases.iter().all(|p| p.done >= 1.0) { 1.0 } else { 0.99 };
+    (all > 0.0).then(|| (elapsed / all).min(most))
+}
+
 /// A phase's times, seconds, and the share of it that is done.
 #[derive(Debug, Clone, Copy)]
 struct Timing {
@@ -188,6 +202,19 @@ mod tests {
         assert_eq!(left(&[(10.0, 10.0, 0.5), (20.0, 0.0, 0.0)]), Some(50.0), "half as fast as planned");
         assert_eq!(left(&[(10.0, 5.0, 1.0), (20.0, 0.0, 0.0)]), Some(10.0), "twice as fast as planned");
         assert_eq!(left(&[(10.0, 99.0, 0.0)]), Some(0.0), "never below none");
+    }
+
+    #[test]
+    fn the_share_that_is_done_is_one_of_time() {
+        let done = |phases: &[(f64, f64, f64)]| {
+            let timing = |&(expected, elapsed, done)| Timing { expected, elapsed, done };
+            share(&phases.iter().map(timing).collect::<Vec<_>>())
+        };
+        assert_eq!(done(&[(0.0, 5.0, 0.0)]), None, "nothing known");
+        assert_eq!(done(&[(10.0, 0.0, 0.0), (20.0, 0.0, 0.0)]), Some(0.0));
+        assert_eq!(done(&[(10.0, 10.0, 0.5), (20.0, 0.0, 0.0)]), Some(10.0 / 60.0), "half as fast as planned");
+        assert_eq!(done(&[(10.0, 10.0, 1.0), (30.0, 30.0, 1.0)]), Some(1.0));
+        assert_eq!(done(&[(10.0, 99.0, 0.0)]), Some(0.99), "longer than expected");
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! From the text of a pipeline file to a [`Pipeline`]. All problems are found before any is reported.
 
+use std::borrow::Cow;
 use std::ffi::OsString;
 use std::path::Path;
 
@@ -8,16 +9,35 @@ use super::run::Run;
 use super::scene::Scene;
 use super::sections::outermost;
 use super::synth::Synth;
+use crate::base::shown::quoted;
 use crate::config::raw::{self, Toml};
 use crate::config::{Document, Faults, Keys, Problem, Problems, Section, unknown};
 use crate::stages::{infer, light};
 
-/// Reads a pipeline file, lays the `--set` arguments over it, and checks everything. Paths in the file are relative to its
+/// The name of the pipeline file of a project's folder.
+pub(crate) const FILE: &str = "gonio.toml";
+
+/// The pipeline file at a path: the path, or the file of a folder.
+fn file_at(path: &Path) -> Result<Cow<'_, Path>, Problem> {
+    if !path.is_dir() {
+        return Ok(path.into());
+    }
+    let file = path.join(FILE);
+    if file.exists() {
+        return Ok(file.into());
+    }
+    let folder = quoted(&path.display().to_string());
+    let rule = format!("is a folder without a pipeline file, which would be {FILE}");
+    Err(Problem::new(rule).hint(format!("gonio init {folder} writes one, or name a file")))
+}
+
+/// Reads a pipeline file, or that of a folder, lays the `--set` arguments over it, and checks everything. Paths in the file are relative to its
 /// folder, paths in arguments to the current folder.
 ///
 /// # Errors
 /// The first 50 problems at once, sorted by position, and the number of the others.
 pub fn load(path: &Path, sets: &[OsString]) -> Result<Pipeline, Problems> {
+    let path = &file_at(path).map_err(|problem| Faults::from(problem).of_file(path))?;
     let mut root = raw::read(path).map_err(|faults| faults.of_file(path))?;
     let mut refused = Faults::default();
     sets.iter().filter_map(|set| raw::set(&mut root, set).err()).for_each(|problem| refused.add(problem));

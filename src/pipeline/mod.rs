@@ -15,9 +15,11 @@ mod template;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use load::FILE;
 pub use load::load;
 pub use pipeline::Pipeline;
 pub(crate) use scene::UpFrom;
 #[cfg(test)]
 pub(crate) use sections::NEVER_CHANGE_A_RESULT;
 pub use template::template;
+pub(crate) use template::{Filled, filled};

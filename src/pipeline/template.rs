@@ -19,20 +19,40 @@ const HEAD: &str = "\
 # where it is commented out here, none.
 ";
 
+/// What a key is set to in a file that is written for one scene.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Filled {
+    /// The key with its section: `scene.mesh`.
+    pub key: &'static str,
+    /// The value, as TOML.
+    pub value: String,
+    /// What is said of it, above it.
+    pub note: Option<String>,
+}
+
 /// The text of `pipelines/colmap.toml`.
 pub fn template() -> String {
-    let mut text = HEAD.to_owned();
+    filled(HEAD, &[])
+}
+
+/// The text of a pipeline file in which every key is explained. `head` is its first lines; keys that are not filled have their
+/// defaults.
+pub(crate) fn filled(head: &str, values: &[Filled]) -> String {
+    let mut text = head.to_owned();
     // A scene that is made needs no reconstruction.
     for section in SECTIONS.iter().filter(|section| !section.name.starts_with("synth")) {
         text.push('\n');
         comment(&mut text, section.about);
         text.push_str(&format!("[{}]\n", section.name));
-        section.keys.iter().for_each(|key| entry(&mut text, key));
+        for key in section.keys {
+            let name = format!("{}.{}", section.name, key.name);
+            entry(&mut text, key, values.iter().find(|filled| filled.key == name));
+        }
     }
     text
 }
 
-fn entry(text: &mut String, key: &Key) {
+fn entry(text: &mut String, key: &Key, filled: Option<&Filled>) {
     let (mark, value, doc) = match key.value {
         Value::Default(value) => ("", value, key.doc.to_owned()),
         Value::Needed(value) => ("", value, format!("{} (needed)", key.doc)),
@@ -40,6 +60,10 @@ fn entry(text: &mut String, key: &Key) {
         Value::Section => return,
     };
     comment(text, &doc);
+    if let Some(note) = filled.and_then(|filled| filled.note.as_ref()) {
+        comment(text, note);
+    }
+    let (mark, value) = filled.map_or((mark, value), |filled| ("", &filled.value));
     text.push_str(&format!("{mark}{} = {value}\n", key.name));
 }
 

@@ -8,6 +8,7 @@ mod changes;
 mod files;
 mod floods;
 mod images;
+mod init;
 mod kills;
 #[cfg(target_os = "linux")]
 mod limits;

@@ -24,7 +24,7 @@ const FLOORS: [&[&str]; 10] = [
     &["stages"],
     &["pipeline"],
     &["phases"],
-    &["run", "after"],
+    &["run", "after", "before"],
     &["cli"],
 ];
 

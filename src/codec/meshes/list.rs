@@ -1,6 +1,6 @@
 //! The list of mesh formats, and the choice among them by what a file holds rather than by its name.
 
-use std::io::{Read, Seek};
+use std::io::{self, Read, Seek};
 use std::path::Path;
 
 use glam::DVec3;
@@ -9,7 +9,7 @@ use super::format::MeshFormat;
 use super::gltf::GLTF;
 use super::obj::OBJ;
 use super::off::OFF;
-use super::ply::PLY;
+use super::ply::{self, PLY};
 use super::stl::STL;
 use super::two_passes;
 use crate::base::input::Input;
@@ -30,6 +30,21 @@ const START: u64 = 64;
 /// A file that cannot be read, that is of no known format, or that is damaged; the answer of `may`.
 pub fn read(path: &Path, may: &dyn Fn(u64) -> Result<()>) -> Result<Mesh> {
     read_from(&mut Input::open(path).map_err(Error::io("open", path))?, may)
+}
+
+/// Whether a file is named as meshes are.
+pub(crate) fn is_named(path: &Path) -> bool {
+    let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
+    FORMATS.iter().any(|format| format.endings.iter().any(|known| ending == *known))
+}
+
+/// Looks at the header of a file that is named as meshes are, where its format has one.
+///
+/// # Errors
+/// A file that cannot be read; a header that is none of a mesh, as that of a cloud of points.
+pub(crate) fn look(path: &Path) -> Result<()> {
+    let mut file = Input::open(path).map_err(Error::io("open", path))?;
+    if start(&mut file).is_ok_and(|start| (PLY.begins)(&start)) { ply::look(&mut file) } else { Ok(()) }
 }
 
 /// Reads a mesh from a file that is open.
@@ -59,14 +74,19 @@ fn read_one_of(formats: &[&MeshFormat], file: &mut Input, may: &dyn Fn(u64) -> R
 
 fn chosen<'a>(formats: &[&'a MeshFormat], file: &mut Input) -> Result<&'a MeshFormat> {
     let path = file.path().to_owned();
-    let mut start = Vec::new();
-    let read = file.rewind().and_then(|()| file.take(START).read_to_end(&mut start));
-    read.map_err(Error::io("read", &path))?;
+    let start = start(file).map_err(Error::io("read", &path))?;
     let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
     let named = |format: &MeshFormat| format.endings.iter().any(|known| ending == *known);
     let found =
         formats.iter().find(|format| (format.begins)(&start)).or_else(|| formats.iter().find(|format| named(format)));
     found.copied().ok_or_else(|| Error::malformed(path, format!("not a mesh that gonio reads: {}", known(formats))))
+}
+
+/// The start of a file.
+fn start(file: &mut Input) -> io::Result<Vec<u8>> {
+    let mut start = Vec::new();
+    file.rewind()?;
+    file.take(START).read_to_end(&mut start).map(|_| start)
 }
 
 /// The formats with the endings of their files.

@@ -14,4 +14,4 @@ mod tests;
 mod two_passes;
 
 pub use list::read;
-pub(crate) use list::{read_from, sample};
+pub(crate) use list::{is_named, look, read_from, sample};

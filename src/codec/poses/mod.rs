@@ -35,7 +35,7 @@ mod whole;
 mod words;
 mod xml;
 
-pub(crate) use alike::resolve;
+pub(crate) use alike::{Alike, resolve};
 pub use colmap::COLMAP;
 #[cfg(test)]
 pub(crate) use format::Posed;

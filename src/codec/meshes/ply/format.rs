@@ -1,11 +1,11 @@
 //! The format PLY: read by its header, as text or as bytes.
 
-use std::io::BufReader;
+use std::io::{BufReader, Seek};
 
 use super::header::{Encoding, Header};
 use super::{ascii, binary};
-use crate::base::Result;
 use crate::base::input::Input;
+use crate::base::{Error, Result};
 use crate::codec::meshes::format::MeshFormat;
 use crate::scene::survey::Polygons;
 
@@ -16,6 +16,16 @@ pub(crate) const PLY: MeshFormat = MeshFormat {
     begins: |start| matches!(start.strip_prefix(b"ply"), Some([b'\n' | b'\r' | b' ' | b'\t', ..])),
     tell,
 };
+
+/// Looks at the header of a file.
+///
+/// # Errors
+/// A header that is none of a mesh.
+pub(crate) fn look(file: &mut Input) -> Result<()> {
+    let (path, length) = (&file.path().to_owned(), file.length());
+    file.rewind().map_err(Error::io("read", path))?;
+    Header::read(&mut BufReader::new(file), length, path).map(drop)
+}
 
 fn tell(file: &mut Input, to: &mut dyn Polygons) -> Result<()> {
     let (path, length) = (&file.path().to_owned(), file.length());

@@ -20,6 +20,6 @@ mod scalar;
 mod tests;
 mod write;
 
-pub(crate) use format::PLY;
+pub(crate) use format::{PLY, look};
 pub use write::write_mesh;
 pub(crate) use write::{FaceColumn, Values};

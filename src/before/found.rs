@@ -1,0 +1,203 @@
+//! What was found in a project's folder: what is told of it, and the values of its pipeline file.
+
+use std::cmp::Reverse;
+use std::path::{Path, PathBuf};
+
+use super::cameras::{self, Cameras};
+use super::listing::{Listing, named};
+use super::masks::{self, Masks};
+use super::photographs::{self, Fit, Photographs};
+use super::surface::{self, Surfaces};
+use super::usual::{self, IMAGES, MESH, POSES};
+use crate::base::units::Bytes;
+use crate::base::{Error, Result};
+use crate::codec::images::is_picture;
+use crate::pipeline::Filled;
+use crate::scene::up::Upright;
+
+/// The most names that are told of many.
+const TOLD: usize = 3;
+
+/// What was found in a project's folder.
+#[derive(Debug)]
+pub(crate) struct Found {
+    /// The folder.
+    pub(super) root: PathBuf,
+    pub(super) listing: Listing,
+    /// The poses, with the photographs that were found for them; the first are those that are taken.
+    pub(super) posed: Vec<(Cameras, Option<Photographs>)>,
+    /// What is said of poses that cannot be read.
+    pub(super) broken: Vec<String>,
+    pub(super) masks: Option<Masks>,
+    pub(super) surfaces: Surfaces,
+}
+
+impl Found {
+    /// Looks at a folder.
+    ///
+    /// # Errors
+    /// No such folder; one in which there is nothing that gonio knows.
+    pub(crate) fn at(root: &Path) -> Result<Found> {
+        if root.is_file() {
+            return Err(Error::invalid(format!("{} is a file: name the folder of a project", root.display())));
+        }
+        let listing = Listing::of(root)?;
+        let (cameras, broken) = cameras::find(root, &listing);
+        let with = |cameras: Cameras| {
+            let photographs = photographs::find(root, &listing, &cameras.frames);
+            (cameras, photographs)
+        };
+        let mut posed: Vec<(Cameras, Option<Photographs>)> = cameras.into_iter().map(with).collect();
+        posed.sort_by_cached_key(|(_, photographs)| Rank::of(photographs.as_ref()));
+        let taken = posed.first().and_then(|(_, photographs)| photographs.as_ref());
+        let masks = taken.and_then(|photographs| masks::find(root, &listing, photographs));
+        let surfaces = surface::find(root, &listing);
+        let pictures = listing.files.iter().any(|file| is_picture(Path::new(file)));
+        if posed.is_empty() && broken.is_empty() && surfaces.meshes.is_empty() && !pictures {
+            let words = format!(
+                "{} holds neither poses nor photographs nor a mesh: name the folder of a project\n{}",
+                root.display(),
+                usual::formats()
+            );
+            return Err(Error::invalid(words));
+        }
+        Ok(Found { root: root.to_owned(), listing, posed, broken, masks, surfaces })
+    }
+
+    /// The poses that are taken.
+    pub(super) fn cameras(&self) -> Option<&Cameras> {
+        self.posed.first().map(|(cameras, _)| cameras)
+    }
+
+    /// The photographs that are taken.
+    pub(super) fn photographs(&self) -> Option<&Photographs> {
+        self.posed.first().and_then(|(_, photographs)| photographs.as_ref())
+    }
+
+    /// The mesh that is taken.
+    pub(super) fn mesh(&self) -> Option<&str> {
+        self.surfaces.meshes.first().map(|(file, _)| file.as_str())
+    }
+
+    /// What was found, a line each.
+    pub(crate) fn lines(&self) -> Vec<String> {
+        let mut lines = Vec::new();
+        let mut tell = |name: &str, words: String| lines.push(format!("{name:12} {words}"));
+        if let Some(cameras) = self.cameras() {
+            tell("poses", format!("{}: {}", named(&cameras.path), described(cameras)));
+            if let Some(Upright { up: [x, y, z], leans, sure }) = Upright::of(&cameras.frames) {
+                // Nothing is shown as -0.000.
+                let [x, y, z] = [x, y, z].map(|component| component + 0.0);
+                let unsure = if sure { "" } else { "; this is unsure: give [scene] up" };
+                tell(
+                    "up",
+                    format!(
+                        "[{x:.3}, {y:.3}, {z:.3}], as the cameras tell, whose rows lean by {leans:.1} degrees{unsure}"
+                    ),
+                );
+            }
+        }
+        if let Some(others) = others(self.posed.iter().map(|(cameras, _)| named(&cameras.path))) {
+            tell("", others);
+        }
+        if let (Some(found), Some(cameras)) = (self.photographs(), self.cameras()) {
+            tell("photographs", photographed(found, cameras));
+        }
+        if let (Some(Masks { folder, count }), Some(found)) = (&self.masks, self.photographs()) {
+            tell("masks", format!("{}: {count} of {} photographs have one", named(folder), found.count()));
+        }
+        if let Some((file, bytes)) = self.surfaces.meshes.first() {
+            tell("mesh", format!("{file}, {}", Bytes(*bytes)));
+        }
+        if let Some(others) = others(self.surfaces.meshes.iter().map(|(file, _)| file.as_str())) {
+            tell("", others);
+        }
+        if self.listing.cut {
+            tell("", "the folder holds more than was looked at".to_owned());
+        }
+        lines
+    }
+
+    /// The values of the pipeline file.
+    pub(super) fn values(&self) -> Vec<Filled> {
+        let path = |key, path: &str| Filled { key, value: quoted(named(path)), note: None };
+        let guess = |key, guess: &str, what: &str| {
+            let note = format!("NOT FOUND: {what} is missing; this is where it is looked for.");
+            Filled { note: Some(note), ..path(key, guess) }
+        };
+        let (cameras, photographs) = (self.cameras(), self.photographs());
+        let mut values = vec![
+            self.mesh().map_or_else(|| guess("scene.mesh", MESH, "the mesh"), |mesh| path("scene.mesh", mesh)),
+            photographs.map_or_else(
+                || guess("scene.images", IMAGES, "the folder of the photographs"),
+                |found| path("scene.images", &found.folder),
+            ),
+            cameras.map_or_else(
+                || guess("scene.poses.path", POSES, "the reconstruction"),
+                |cameras| path("scene.poses.path", &cameras.path),
+            ),
+            path("run.work", "gonio"),
+        ];
+        values.extend(cameras.map(|cameras| path("scene.poses.format", cameras.format.name)));
+        values.extend(self.masks.as_ref().map(|masks| path("scene.masks", &masks.folder)));
+        if let Some(Photographs { fit: Fit::Smaller(by @ 2..), .. }) = photographs {
+            let note = format!("The photographs are {by} times smaller than the cameras of the poses.");
+            values.push(Filled { key: "decode.downscale", value: by.to_string(), note: Some(note) });
+        }
+        values
+    }
+}
+
+/// The order of poses: those with the most photographs, then those whose sizes fit best, then those whose photographs are
+/// nearest: what is undistorted lies deeper than what it was made from, and has less of it.
+#[derive(PartialEq, Eq, PartialOrd, Ord)]
+struct Rank(Reverse<usize>, Option<Fit>, usize);
+
+impl Rank {
+    fn of(photographs: Option<&Photographs>) -> Rank {
+        let count = photographs.map_or(0, Photographs::count);
+        let depth = photographs.map_or(0, |found| found.folder.matches('/').count());
+        Rank(Reverse(count), photographs.map(|found| found.fit.clone()), depth)
+    }
+}
+
+/// The format, the frames and the sizes of cameras.
+fn described(cameras: &Cameras) -> String {
+    let mut sizes: Vec<[u32; 2]> = cameras.frames.iter().map(|f| [f.camera.width, f.camera.height]).collect();
+    sizes.sort_unstable();
+    sizes.dedup();
+    let told: Vec<String> = sizes.iter().take(TOLD).map(|[w, h]| format!("{w} x {h}")).collect();
+    let more = if sizes.len() > TOLD { ", ..." } else { "" };
+    let (name, programs) = (cameras.format.name, cameras.format.programs);
+    format!("{name} ({programs}), {} frames of {}{more} pixels", cameras.frames.len(), told.join(", "))
+}
+
+/// The photographs, and how they go with the cameras.
+fn photographed(found: &Photographs, cameras: &Cameras) -> String {
+    let mut words = format!("{}: {} of {}", named(&found.folder), found.count(), cameras.frames.len());
+    if let Some(alike) = found.alike {
+        words.push_str(&format!(", found {alike}"));
+    }
+    let first = cameras.frames.iter().zip(&found.files).find(|(_, file)| file.is_none());
+    if let Some((frame, _)) = first {
+        words.push_str(&format!("; {} is not there", frame.name));
+    }
+    match &found.fit {
+        Fit::Smaller(1) => {}
+        Fit::Smaller(by) => words.push_str(&format!("; {by} times smaller than the cameras")),
+        Fit::Not(why) => words.push_str(&format!("; the sizes do not fit: {why}")),
+    }
+    words
+}
+
+/// The names after the first.
+fn others<'a>(names: impl Iterator<Item = &'a str>) -> Option<String> {
+    let others: Vec<&str> = names.skip(1).collect();
+    let more = if others.len() > TOLD { ", ..." } else { "" };
+    (!others.is_empty()).then(|| format!("there is also {}{more}", others[..others.len().min(TOLD)].join(", ")))
+}
+
+/// A text as TOML has it.
+fn quoted(text: &str) -> String {
+    toml::Value::String(text.to_owned()).to_string()
+}
