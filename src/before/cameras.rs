@@ -7,7 +7,7 @@ use crate::base::Result;
 use crate::base::patience::Patience;
 use crate::codec::images::is_picture;
 use crate::codec::meshes::is_named;
-use crate::codec::poses::{self, FORMATS, PoseFormat, Target};
+use crate::codec::poses::{self, FORMATS, PhotographFolder, PoseFormat, Target};
 use crate::scene::frame::Frame;
 
 /// The most poses that are read.
@@ -31,7 +31,7 @@ pub(super) struct Cameras {
 pub(super) fn find(root: &Path, listing: &Listing) -> (Vec<Cameras>, Vec<String>) {
     let (mut found, mut broken) = (Vec::new(), Vec::new());
     for (format, path) in places(root, listing) {
-        match read(format, &root.join(&path)) {
+        match read(format, root, &path) {
             Ok(frames) => found.push(Cameras { format, path, frames }),
             Err(why) => broken.push(format!("poses {} cannot be read: {why}", named(&path))),
         }
@@ -39,8 +39,9 @@ pub(super) fn find(root: &Path, listing: &Listing) -> (Vec<Cameras>, Vec<String>
     (found, broken)
 }
 
-fn read(format: &PoseFormat, path: &Path) -> Result<Vec<Frame>> {
-    Patience::default().with(|| poses::read(format, path))
+fn read(format: &PoseFormat, root: &Path, path: &str) -> Result<Vec<Frame>> {
+    let photographs = PhotographFolder::new(root);
+    Patience::default().with(|| poses::read(format, &root.join(path), &photographs))
 }
 
 /// Where the poses lie.

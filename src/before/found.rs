@@ -12,6 +12,7 @@ use super::usual::{self, IMAGES, MESH, POSES};
 use crate::base::units::Bytes;
 use crate::base::{Error, Result};
 use crate::codec::images::is_picture;
+use crate::codec::meshes;
 use crate::pipeline::Filled;
 use crate::scene::up::Upright;
 
@@ -85,16 +86,9 @@ impl Found {
         let mut tell = |name: &str, words: String| lines.push(format!("{name:12} {words}"));
         if let Some(cameras) = self.cameras() {
             tell("poses", format!("{}: {}", named(&cameras.path), described(cameras)));
-            if let Some(Upright { up: [x, y, z], leans, sure }) = Upright::of(&cameras.frames) {
-                // Nothing is shown as -0.000.
-                let [x, y, z] = [x, y, z].map(|component| component + 0.0);
-                let unsure = if sure { "" } else { "; this is unsure: give [scene] up" };
-                tell(
-                    "up",
-                    format!(
-                        "[{x:.3}, {y:.3}, {z:.3}], as the cameras tell, whose rows lean by {leans:.1} degrees{unsure}"
-                    ),
-                );
+            let ground = || self.mesh().and_then(|mesh| meshes::sample(&self.root.join(mesh)).ok());
+            if let Some(up) = Upright::of(&cameras.frames, ground) {
+                tell("axes", up.to_string());
             }
         }
         if let Some(others) = others(self.posed.iter().map(|(cameras, _)| named(&cameras.path))) {

@@ -11,7 +11,8 @@ use super::sections::outermost;
 use super::synth::Synth;
 use crate::base::shown::quoted;
 use crate::config::raw::{self, Toml};
-use crate::config::{Document, Faults, Keys, Problem, Problems, Section, unknown};
+use crate::config::{Document, Faults, Keys, Position, Problem, Problems, Section, unknown};
+use crate::stages::light::Mode;
 use crate::stages::{infer, light};
 
 /// The name of the pipeline file of a project's folder.
@@ -35,7 +36,8 @@ fn file_at(path: &Path) -> Result<Cow<'_, Path>, Problem> {
 /// folder, paths in arguments to the current folder.
 ///
 /// # Errors
-/// The first 50 problems at once, sorted by position, and the number of the others.
+/// The first 50 problems at once, sorted by position, and the number of the others; north that cannot be told, once all else is
+/// well, since it depends on the way up.
 pub fn load(path: &Path, sets: &[OsString]) -> Result<Pipeline, Problems> {
     let path = &file_at(path).map_err(|problem| Faults::from(problem).of_file(path))?;
     let mut root = raw::read(path).map_err(|faults| faults.of_file(path))?;
@@ -48,6 +50,11 @@ pub fn load(path: &Path, sets: &[OsString]) -> Result<Pipeline, Problems> {
         return Err(faults.of_file(path));
     }
     pipeline.scene.find_up(pipeline.synth.is_some());
+    if pipeline.light.mode == Mode::Ephemeris
+        && let Err(problem) = pipeline.light.north(pipeline.scene.up)
+    {
+        return Err(Faults::from(problem.at(Position::Whole, "light.north")).of_file(path));
+    }
     Ok(pipeline)
 }
 
