@@ -51,7 +51,7 @@ impl Finished {
             return Err(again(&format!("the materials in {work} are not those of {mesh}")));
         }
         let light = match pipeline.light.mode {
-            Mode::Estimate => {
+            Mode::Estimate | Mode::Ephemeris => {
                 let frozen = FrozenLight::read(&store, pipeline, scene.mesh_key)?;
                 frozen.state().light.as_ref().and_then(FoundLight::sun_and_sky)
             }

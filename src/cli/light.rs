@@ -27,7 +27,7 @@ pub(super) struct Args {
 pub(super) fn light(args: &Args) -> Answer {
     let pipeline = args.pipeline.load()?;
     if !pipeline.is_looked_at() {
-        let words = "nothing is to be found: set [light] mode = \"estimate\" or [decode] exposure = \"solve\"";
+        let words = "nothing is to be found: set [light] mode = \"estimate\" or \"ephemeris\", or [decode] exposure = \"solve\"";
         return Err(Error::invalid(words).into());
     }
     let work = &pipeline.run.work;

@@ -47,7 +47,9 @@ pub enum Toml {
     Table(Table),
     /// A typed path that is not UTF-8.
     Path(OsString),
-    /// Anything that no key takes: dates, integers beyond 64 bits.
+    /// A date, a time, or both, as it was written.
+    Date(String),
+    /// Anything that no key takes: integers beyond 64 bits.
     Other(String),
 }
 
@@ -76,7 +78,7 @@ impl Toml {
             Toml::List(list) => numbers(list).unwrap_or_else(|| format!("a list of {}", list.len())),
             Toml::Table(_) => "a table".to_owned(),
             Toml::Path(path) => shown(&path.to_string_lossy()),
-            Toml::Other(text) => text.clone(),
+            Toml::Date(text) | Toml::Other(text) => text.clone(),
         }
     }
 }
@@ -207,7 +209,7 @@ fn node(from: &Spanned<DeValue<'_>>, position: &dyn Fn(usize) -> Position) -> No
             x.as_str().parse().map_or_else(|_| Toml::Other("a number out of range".to_owned()), Toml::Float)
         }
         DeValue::Boolean(b) => Toml::Bool(*b),
-        DeValue::Datetime(_) => Toml::Other("a date".to_owned()),
+        DeValue::Datetime(date) => Toml::Date(date.to_string()),
         DeValue::Array(list) => Toml::List(list.iter().map(|item| node(item, position)).collect()),
         DeValue::Table(inner) => Toml::Table(table(inner, position)),
     };
@@ -246,7 +248,7 @@ mod tests {
         let value = |key: &str| root[key].1.value.clone();
         assert_eq!([value("a"), value("b")], [Toml::Integer(32), Toml::Integer(1000)]);
         assert_eq!(value("c"), Toml::Float(f64::NEG_INFINITY));
-        assert!(matches!((value("d"), value("e")), (Toml::Other(_), Toml::Other(_))));
+        assert!(matches!((value("d"), value("e")), (Toml::Other(_), Toml::Date(date)) if date == "1979-05-27"));
     }
 
     #[test]

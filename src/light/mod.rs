@@ -3,6 +3,7 @@
 //! - [`gains()`]: one factor a frame, from triangles that several frames see.
 //! - [`find`]: the sun's direction and the ratio of sky to sun, from pairs of triangles that are alike but for their light:
 //!   under the right light their albedos agree. The scale is a convention, since a brighter sun and whiter walls look the same.
+//! - `ephemeris`: where the sun stands by place and time, which leaves ratio and scale to be found ([`Clues::under`]).
 //!
 //! Nothing here reads a file. Work is shared out by rayon, but sums run in one order, so that answers do not depend on the
 //! number of threads; nothing is random.
@@ -13,6 +14,7 @@ mod comparison;
 mod decision;
 mod directions;
 mod draw;
+pub(crate) mod ephemeris;
 mod found;
 mod gains;
 mod likeness;

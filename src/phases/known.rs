@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::cast::{FrameGroups, Readable, pixels};
 use super::facts::{Facts, Trial};
 use super::infer::{TriedEstimator, load_estimator};
-use super::light::FrozenLight;
+use super::light::{FrozenLight, Occasion};
 use super::scene::{LoadedScene, Meshes};
 use crate::base::{Error, Result, memory};
 use crate::config::Choice;
@@ -88,7 +88,7 @@ impl<'a> Known<'a> {
     fn found(&self, frozen: Option<&FrozenLight>) -> Option<SunAndSky> {
         match self.pipeline.light.mode {
             Mode::Known => self.pipeline.light.known(),
-            Mode::Estimate => frozen?.state().light.as_ref()?.sun_and_sky(),
+            Mode::Estimate | Mode::Ephemeris => frozen?.state().light.as_ref()?.sun_and_sky(),
             Mode::Unknown => None,
         }
     }
@@ -143,6 +143,10 @@ impl<'a> Known<'a> {
             Look::Run => FrozenLight::open(store, pipeline, scene.mesh_key)?,
             Look::Plan | Look::Explain => FrozenLight::read(store, pipeline, scene.mesh_key)?,
         };
+        if light.state().light.is_none() && pipeline.light.mode == Mode::Ephemeris && pipeline.is_made() {
+            // What is missing is told before anything is read of the frames.
+            Occasion::of(pipeline, &scene.frames)?;
+        }
         if light.state().light.is_some() {
             self.settle_for(self.found(Some(&light)).is_some())?;
         }

@@ -9,14 +9,16 @@ use super::scene::Scene;
 use super::sections::outermost;
 use super::synth::Synth;
 use crate::config::raw::{self, Toml};
-use crate::config::{Document, Faults, Keys, Problem, Problems, Section, unknown};
+use crate::config::{Document, Faults, Keys, Position, Problem, Problems, Section, unknown};
+use crate::stages::light::Mode;
 use crate::stages::{infer, light};
 
 /// Reads a pipeline file, lays the `--set` arguments over it, and checks everything. Paths in the file are relative to its
 /// folder, paths in arguments to the current folder.
 ///
 /// # Errors
-/// The first 50 problems at once, sorted by position, and the number of the others.
+/// The first 50 problems at once, sorted by position, and the number of the others; north that cannot be told, once all else is
+/// well, since it depends on the way up.
 pub fn load(path: &Path, sets: &[OsString]) -> Result<Pipeline, Problems> {
     let mut root = raw::read(path).map_err(|faults| faults.of_file(path))?;
     let mut refused = Faults::default();
@@ -28,6 +30,11 @@ pub fn load(path: &Path, sets: &[OsString]) -> Result<Pipeline, Problems> {
         return Err(faults.of_file(path));
     }
     pipeline.scene.find_up(pipeline.synth.is_some());
+    if pipeline.light.mode == Mode::Ephemeris
+        && let Err(problem) = pipeline.light.north(pipeline.scene.up)
+    {
+        return Err(Faults::from(problem.at(Position::Whole, "light.north")).of_file(path));
+    }
     Ok(pipeline)
 }
 

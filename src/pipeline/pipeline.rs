@@ -68,9 +68,9 @@ impl Pipeline {
         self.decode.exposure == decode::Exposure::Solve
     }
 
-    /// Whether the light is found in the photographs.
+    /// Whether the light is found in the photographs, all of it or all but the sun's direction.
     pub fn estimates_light(&self) -> bool {
-        self.light.mode == light::Mode::Estimate
+        self.light.mode.is_looked_for()
     }
 
     /// Whether frames are looked at before they are cast, to find exposures or the light.

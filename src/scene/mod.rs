@@ -9,6 +9,7 @@ pub(crate) mod frame;
 pub(crate) mod light;
 pub(crate) mod material;
 pub(crate) mod mesh;
+pub(crate) mod moment;
 mod polygon;
 pub(crate) mod pose;
 pub(crate) mod reflectance;

@@ -19,6 +19,7 @@
 //! ```
 
 pub(crate) mod cast;
+mod clock;
 pub(crate) mod decode;
 pub(crate) mod export;
 pub(crate) mod fill;

@@ -14,6 +14,7 @@ mod need;
 mod png;
 mod read;
 mod size;
+mod taken;
 #[cfg(test)]
 mod tests;
 mod tiff;
@@ -25,6 +26,9 @@ pub(crate) use need::Need;
 pub use read::{Encoded, need, read_image, size};
 pub(crate) use read::{is_picture, mask_need};
 pub use size::Size;
+#[cfg(test)]
+pub(crate) use taken::tests as exif_made;
+pub(crate) use taken::{Taken, taken};
 pub use transfer::{Curve, Transfer};
 pub(crate) use transfer::{to_srgb, to_srgb8};
 pub(crate) use write::encode_png;

@@ -58,6 +58,9 @@ pub(crate) struct FoundLight {
     pub decided: Decided,
     /// How it was decided, in words.
     pub words: String,
+    /// What the photographs say against the sun of place and time.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub doubt: Option<String>,
     /// Directions over the sky, each with the cost of a sun there.
     pub dome: Vec<[f32; 4]>,
 }
@@ -138,6 +141,7 @@ impl FoundLight {
             white: finite(found.white),
             decided,
             words: words(found),
+            doubt: None,
             dome: dome.filter(|row| row.iter().all(|v| v.is_finite())).collect(),
         }
     }
@@ -194,6 +198,7 @@ mod tests {
             white: 1.0,
             decided: if sun.is_some() { Decided::Sun } else { Decided::NoSun },
             words: String::new(),
+            doubt: None,
             dome: Vec::new(),
         }
     }

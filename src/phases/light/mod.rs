@@ -1,12 +1,15 @@
 //! Light: how the frames are exposed, and the light that they were taken in. Both are frozen once they are found.
 
+mod ephemeris;
 mod file;
 mod found;
 mod frozen;
+mod occasion;
 mod phase;
 mod solve;
 
 pub(crate) use file::{DOME, LIGHT};
 pub(crate) use found::FoundLight;
 pub(crate) use frozen::{FrozenLight, end_light};
+pub(crate) use occasion::Occasion;
 pub(crate) use phase::Light;

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::file::{DOME, LIGHT, write};
 use super::frozen::{FrozenLight, VERSION};
+use super::occasion::Occasion;
 use super::solve::Evidence;
 use crate::base::key::{Key, KeyBuilder};
 use crate::base::{PhaseName, Result};
@@ -20,6 +21,7 @@ use crate::phases::phase::Phase;
 use crate::phases::takes::Takes;
 use crate::phases::units::{Extent, Unit, Units};
 use crate::pipeline::Pipeline;
+use crate::stages::light::Mode;
 
 /// The phase; its one unit is `light.json`.
 pub(crate) struct Light;
@@ -89,7 +91,9 @@ impl Phase for Light {
             let surveyed = run.known.surveyed_mut()?;
             let (scene, sample) = (&surveyed.scene, surveyed.light.sample());
             let (rows, images) = (&seen.rows, &seen.images);
-            let evidence = Evidence { pipeline, scene, sample: &sample, sightings: rows, images };
+            let occasion = || pool::share(pipeline.run.threads(), || Occasion::of(pipeline, &scene.frames));
+            let occasion = (pipeline.light.mode == Mode::Ephemeris).then(occasion).transpose()?.transpose()?;
+            let evidence = Evidence { pipeline, scene, sample: &sample, sightings: rows, occasion, images };
             let light = &mut surveyed.light;
             light.freeze(sightings, |known| pool::share(pipeline.run.threads(), || evidence.looked(known)))?;
         }
@@ -105,7 +109,11 @@ impl Phase for Light {
     fn tell(&self, run: &mut Context<'_>, _: &Units, _: &[Unit]) -> Result<()> {
         run.known.settle_estimator()?;
         run.report.backend = run.known.estimator.describe();
-        run.report.light = Some(run.known.surveyed()?.light.state().report());
+        let state = run.known.surveyed()?.light.state();
+        if let Some(doubt) = state.light.as_ref().and_then(|light| light.doubt.as_ref()) {
+            run.progress.note(format!("the sun is taken from [light] place and time, but {doubt}"));
+        }
+        run.report.light = Some(state.report());
         run.known.needs_light()
     }
 }

@@ -4,11 +4,13 @@ use std::collections::BTreeMap;
 
 use glam::DVec3;
 
+use super::ephemeris::under;
 use super::found::{FoundLight, Gain, Looked};
 use super::frozen::State;
+use super::occasion::Occasion;
 use crate::base::ids::TriangleId;
 use crate::base::key::Key;
-use crate::light::{self, Gains, Settings, Sighting};
+use crate::light::{self, Clues, Gains, Settings, Sighting};
 use crate::phases::scene::LoadedScene;
 use crate::pipeline::Pipeline;
 use crate::scene::frame::Frame;
@@ -23,6 +25,8 @@ pub(super) struct Evidence<'a> {
     pub sample: &'a [TriangleId],
     /// What the frames saw of them.
     pub sightings: &'a [Sighting],
+    /// When and where the photographs were taken, where that tells the sun.
+    pub occasion: Option<Occasion>,
     /// The content of every frame's image, as recipes have it; empty where it was not read.
     pub images: &'a [String],
 }
@@ -71,6 +75,8 @@ impl Evidence<'_> {
         let up = DVec3::from(self.pipeline.scene.up).as_vec3().normalize_or_zero();
         let scene = light::Scene { mesh, bvh: &bvh, up };
         let settings = Settings { white: self.pipeline.light.white };
-        FoundLight::of(&light::find(&scene, self.sample, self.sightings, gains, &settings))
+        let clues = Clues::new(&scene, self.sample, self.sightings, gains);
+        let known = self.occasion.as_ref().and_then(|occasion| under(&clues, occasion, &settings));
+        known.unwrap_or_else(|| FoundLight::of(&clues.find(&settings)))
     }
 }

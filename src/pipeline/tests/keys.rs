@@ -10,7 +10,7 @@ use crate::config::{Effect, Setting, Value, raw};
 use crate::pipeline::sections::{NEVER_CHANGE_A_RESULT, SECTIONS};
 
 /// Another value for every key.
-const OTHERS: [(&str, &str); 41] = [
+const OTHERS: [(&str, &str); 44] = [
     ("synth.into", "there"),
     ("synth.city.seed", "36"),
     ("synth.city.triangles", "6000"),
@@ -46,6 +46,9 @@ const OTHERS: [(&str, &str); 41] = [
     ("light.color", "[1, 1, 0.5]"),
     ("light.sky", "[0.1, 0.1, 0.1]"),
     ("light.white", "1.5"),
+    ("light.place", "[52.5, 13.4]"),
+    ("light.time", "2014-05-26T12:45:30"),
+    ("light.north", "[1, 0, 0]"),
     ("export.formats", "[\"glb\"]"),
     ("run.work", "elsewhere"),
     ("run.memory", "3GiB"),
@@ -58,11 +61,14 @@ const OTHERS: [(&str, &str); 41] = [
 const ONLY_ONE: &str = "";
 
 /// What else must be set for a key to be set.
-const WITH: [(&str, &str); 4] = [
+const WITH: [(&str, &str); 7] = [
     ("decode.gamma", "decode.transfer=gamma"),
     ("infer.estimator", "light.mode=known"),
     ("infer.estimator", "light.sun=[0, 0, 1]"),
     ("light.mode", "light.sun=[0, 0, 1]"),
+    ("light.place", "light.mode=ephemeris"),
+    ("light.time", "light.mode=ephemeris"),
+    ("light.north", "light.mode=ephemeris"),
 ];
 
 /// A folder in which all paths of [`OTHERS`] lead somewhere.

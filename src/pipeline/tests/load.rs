@@ -115,7 +115,7 @@ x = 1
     p.toml:27:11: run.threads: must lie in 0 to 1024; got 99999
     p.toml:28:2: trace: no such section; the known ones are synth, scene, decode, cast, gather, infer, merge, light, export, run
     --set takes section.key=value; got "cast=3"
-    --set light.mode: must be "estimate" or "known" or "unknown"; got "sun"
+    --set light.mode: must be "estimate" or "ephemeris" or "known" or "unknown"; got "sun"
     --set scene.masks: must be a path; got ""
     --set scene.up: must be a finite vector that is not zero, as [0, 0, 1]; got [0, 0, 0]
     "#);

@@ -23,9 +23,13 @@ const SUN: [f64; 3] = [-0.456_345_98, -0.506_823_54, 0.731_353_70];
 
 /// A city that a light can be found in, and a pipeline file that says nothing of it.
 fn scene() -> TempDir {
+    scene_of(CityConfig::default())
+}
+
+/// One of such a city.
+pub(super) fn scene_of(city: CityConfig) -> TempDir {
     let dir = TempDir::new().unwrap();
-    let config =
-        CityConfig { triangles: 5000, frames: 8, width: 320, height: 240, supersampling: 1, ..Default::default() };
+    let config = CityConfig { triangles: 5000, frames: 8, width: 320, height: 240, supersampling: 1, ..city };
     city::write::generate(dir.path(), &config, &|| false).unwrap();
     let text = "[scene]\nmesh = \"mesh.ply\"\nimages = \"images\"\nposes = { format = \"colmap\", path = \"sparse/0\" }\n\
                 [gather]\ngroup = 2\n[infer]\nbackend = \"embedded\"\nmodel = \"MODEL\"\n[run]\nwork = \"work\"\nthreads = 2\n";
@@ -35,7 +39,7 @@ fn scene() -> TempDir {
 }
 
 /// Runs it, with these settings, and gives what it reports, what it notes and what it says of the light.
-fn run(dir: &TempDir, store: &MemStore, sets: &[&str]) -> (Report, Vec<String>, Option<serde_json::Value>) {
+pub(super) fn run(dir: &TempDir, store: &MemStore, sets: &[&str]) -> (Report, Vec<String>, Option<serde_json::Value>) {
     let sets: Vec<OsString> = sets.iter().map(OsString::from).collect();
     let pipeline = load(&dir.path().join("p.toml"), &sets).unwrap();
     let (report, notes) = run_here(Arc::new(store.clone()), &pipeline).unwrap();

@@ -4,6 +4,7 @@
 //! Where a fault may come at any step, several faults share the steps, so that each step has some of them: `GONIO_EVERY_STEP=1`
 //! tries each at all steps.
 
+mod ephemeris;
 mod faults;
 #[cfg(unix)]
 mod inputs;
