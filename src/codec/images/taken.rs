@@ -149,7 +149,7 @@ pub(crate) mod tests {
     fn a_photograph_tells_when_and_where() {
         let time = |zone| Moment::new([2014, 5, 26], [12, 45, 30], zone);
         let camera = said(Tag::DateTimeOriginal, "2014:05:26 12:45:30");
-        assert_eq!(of(&[camera.clone()]), Taken { place: None, time: time(None) });
+        assert_eq!(of(std::slice::from_ref(&camera)), Taken { place: None, time: time(None) });
         let zone = said(Tag::OffsetTimeOriginal, "+02:00");
         let date = said(Tag::GPSDateStamp, "2014:05:26");
         let clock = numbers(Tag::GPSTimeStamp, [10.0, 45.0, 31.5]);

@@ -39,7 +39,7 @@ fn tell(file: &mut Input, to: &mut dyn Polygons) -> Result<()> {
     match count.filter(|_| head.len() as u64 == HEAD) {
         Some(count) if whole(count) == length => {
             for _ in 0..count {
-                let mut bytes = [0; TRIANGLE as usize];
+                let mut bytes = [0; 50];
                 reader.read_exact(&mut bytes).map_err(Error::io("read", &path))?;
                 let mut numbers = bytes.as_chunks::<4>().0.iter().map(|four| f32::from_le_bytes(*four)).skip(3);
                 let mut corner = || std::array::from_fn(|_| numbers.next().unwrap_or_default());
