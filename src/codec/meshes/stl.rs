@@ -26,7 +26,7 @@ pub(crate) const STL: MeshFormat =
 
 /// The bytes before the triangles of a binary file, and those of a triangle.
 const HEAD: u64 = 84;
-const TRIANGLE: u64 = 50;
+const TRIANGLE: usize = 50;
 
 fn tell(file: &mut Input, to: &mut dyn Polygons) -> Result<()> {
     let (path, length) = (file.path().to_owned(), file.length());
@@ -34,12 +34,12 @@ fn tell(file: &mut Input, to: &mut dyn Polygons) -> Result<()> {
     let mut head = Vec::new();
     (&mut reader).take(HEAD).read_to_end(&mut head).map_err(Error::io("read", &path))?;
     let count = head.last_chunk().map(|count| u64::from(u32::from_le_bytes(*count)));
-    let whole = |count: u64| HEAD + count * TRIANGLE;
+    let whole = |count: u64| HEAD + count * TRIANGLE as u64;
     let mut welded = Welded { to, known: HashMap::new() };
     match count.filter(|_| head.len() as u64 == HEAD) {
         Some(count) if whole(count) == length => {
             for _ in 0..count {
-                let mut bytes = [0; 50];
+                let mut bytes = [0; TRIANGLE];
                 reader.read_exact(&mut bytes).map_err(Error::io("read", &path))?;
                 let mut numbers = bytes.as_chunks::<4>().0.iter().map(|four| f32::from_le_bytes(*four)).skip(3);
                 let mut corner = || std::array::from_fn(|_| numbers.next().unwrap_or_default());

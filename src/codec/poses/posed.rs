@@ -21,7 +21,7 @@ pub(super) const Y_UP: DMat3 = DMat3::from_cols(DVec3::X, DVec3::NEG_Y, DVec3::N
 /// In words: a matrix that is not finite, that is no rotation, or that mirrors.
 pub(super) fn rotation(matrix: DMat3) -> Result<DQuat, String> {
     let off = (matrix * matrix.transpose() - DMat3::IDENTITY).to_cols_array();
-    let off = off.into_iter().fold(0.0, |most: f64, e| if e.abs() <= most { most } else { e.abs() });
+    let off = off.into_iter().fold(0.0, |most: f64, e| if most.is_nan() || e.abs() <= most { most } else { e.abs() });
     if !matrix.is_finite() || off.is_nan() || off > ORTHONORMAL {
         return Err(format!("its rotation is off by {off:.2e} from a rotation; at most {ORTHONORMAL:e} is allowed"));
     }
