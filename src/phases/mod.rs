@@ -20,6 +20,7 @@ mod load;
 mod look;
 mod merge;
 mod phase;
+mod photographs;
 mod progress;
 mod report;
 mod report_file;

@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use super::cause::FORMAT;
-use super::inputs::find_photographs;
+use super::photographs::find_photographs;
 use crate::base::ids::FrameId;
 use crate::base::input::Input;
 use crate::base::key::{Key, KeyBuilder};

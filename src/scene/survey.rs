@@ -59,7 +59,7 @@ impl Bounds {
 pub(crate) enum Next {
     /// Some vertices are far from the others.
     Narrowing(Narrowing),
-    /// None is.
+    /// No vertex is.
     Filling(Filling),
 }
 
