@@ -12,7 +12,7 @@ use crate::base::{Error, Result};
 /// The binary chunk of a file.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Chunk {
-    /// Its first byte's position in the file.
+    /// The position of the chunk's first byte in the file.
     pub start: u64,
     /// How many bytes it has.
     pub length: u64,
