@@ -65,7 +65,8 @@ impl Upright {
                 None => (up, By::Unsure(leans)),
             },
         };
-        let up = (up * STEPS).round() / STEPS;
+        // Nothing is -0.
+        let up = (up * STEPS).round() / STEPS + DVec3::ZERO;
         up.is_finite().then(|| Upright { up: up.to_array(), by })
     }
 }

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use tempfile::TempDir;
 
+use crate::files::city;
 use crate::ran::Ran;
 
 /// A folder with a pipeline file `p.toml`, and inputs that are there but hold nothing.
@@ -23,9 +24,20 @@ fn folder() -> TempDir {
 
 #[test]
 fn a_good_file_is_called_good() {
-    let dir = folder();
+    let dir = city();
     let ran = Ran::gonio(dir.path(), "check p.toml");
-    assert_eq!(ran.ends(0).stdout(), "p.toml: no problems\n", "{ran}");
+    assert!(ran.ends(0).stdout().ends_with("degrees\np.toml: no problems\n"), "{ran}");
+}
+
+#[test]
+fn inputs_that_hold_nothing_are_told_of() {
+    Ran::gonio(folder().path(), "check p.toml").ends(1).says("mesh.ply: does not begin with the line \"ply\"");
+    let dir = city();
+    fs::remove_dir_all(dir.path().join("images")).unwrap();
+    fs::create_dir(dir.path().join("images")).unwrap();
+    Ran::gonio(dir.path(), "check p.toml").ends(1).says("none of the 10 photographs can be read").says("and 7 more");
+    Ran::gonio(dir.path(), "plan p.toml").says("none of the 10 photographs can be read");
+    Ran::gonio(dir.path(), "run p.toml").ends(1).says("none of the 10 photographs could be read: frame_000.jpg");
 }
 
 #[test]
@@ -47,9 +59,9 @@ fn all_problems_of_a_file_are_shown_and_the_code_is_2() {
 
 #[test]
 fn a_key_can_be_set_from_any_folder() {
-    let dir = folder();
+    let dir = city();
     let other = TempDir::new().unwrap();
-    fs::write(other.path().join("my.ply"), "").unwrap();
+    fs::copy(dir.path().join("mesh.ply"), other.path().join("my.ply")).unwrap();
     let file = dir.path().join("p.toml").display().to_string();
     Ran::gonio(other.path(), &format!("check {file}")).ends(0);
     Ran::gonio(other.path(), &format!("check {file} --set scene.mesh=my.ply")).ends(0);

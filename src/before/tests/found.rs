@@ -30,7 +30,7 @@ fn a_whole_project_is_told_and_its_file_is_good() {
     assert_eq!(found.missing(), [""; 0]);
     insta::assert_snapshot!(found.lines().join("\n"), @r"
     poses        sparse/0: colmap (COLMAP, GLOMAP), 2 frames of 40 x 30 pixels
-    up           [0.000, -1.000, 0.000], as the cameras tell, whose rows lean by 0.0 degrees
+    axes         up is [0.000, -1.000, 0.000], by cameras that are level but for 0.0 degrees
     photographs  images: 2 of 2
     masks        masks: 1 of 2 photographs have one
     mesh         dense/meshed-poisson.ply, 188 B
