@@ -8,6 +8,12 @@ use crate::base::{Error, Result};
 /// The most bytes of a line.
 const LONGEST: u64 = 1 << 20;
 
+/// The last byte of every line of a text that starts so: LF, unless lines end in CR alone.
+pub(super) fn line_end(start: &[u8]) -> u8 {
+    let first = start.iter().position(|byte| matches!(byte, b'\n' | b'\r')).map(|at| &start[at..]);
+    if matches!(first, Some([b'\r', next, ..]) if *next != b'\n') { b'\r' } else { b'\n' }
+}
+
 /// The lines of a file.
 pub(super) struct Lines<R> {
     reader: R,

@@ -12,6 +12,7 @@ use std::path::Path;
 use glam::DVec3;
 
 use super::format::MeshFormat;
+use super::lines::line_end;
 use crate::base::input::Input;
 use crate::base::{Error, Result};
 use crate::scene::survey::Polygons;
@@ -152,10 +153,7 @@ impl Lines<'_> {
     /// Finds how lines end, and passes over a byte-order mark.
     fn find_end(&mut self) -> std::io::Result<()> {
         let start = self.reader.fill_buf()?;
-        let first = start.iter().position(|byte| matches!(byte, b'\n' | b'\r'));
-        if first.is_some_and(|at| start[at] == b'\r' && start.get(at + 1).is_some_and(|&next| next != b'\n')) {
-            self.end = b'\r';
-        }
+        self.end = line_end(start);
         if start.starts_with(BOM) {
             self.reader.consume(BOM.len());
         }

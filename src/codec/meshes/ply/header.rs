@@ -5,6 +5,7 @@ use std::path::Path;
 
 use super::scalar::{Endian, Scalar};
 use crate::base::{Error, Result};
+use crate::codec::meshes::lines::line_end;
 
 /// The most bytes of a header: a file of another format must not be read to its end in search of `end_header`.
 const LONGEST: u64 = 1 << 20;
@@ -190,11 +191,7 @@ struct Text<'a, R> {
 impl<R: BufRead> Text<'_, R> {
     /// Finds how lines end: in `\n`, `\r\n`, or `\r` alone as the format's first description has it.
     fn find_end(&mut self) -> Result<()> {
-        let start = self.reader.fill_buf().map_err(Error::io("read", self.path))?;
-        let first = start.iter().position(|byte| matches!(byte, b'\n' | b'\r'));
-        if first.is_some_and(|at| start[at] == b'\r' && start.get(at + 1).is_some_and(|&next| next != b'\n')) {
-            self.end = b'\r';
-        }
+        self.end = line_end(self.reader.fill_buf().map_err(Error::io("read", self.path))?);
         Ok(())
     }
 
