@@ -15,7 +15,7 @@ use rustix::io::Errno;
 use tempfile::TempDir;
 
 use super::faults::copy_of;
-use super::{outputs, run_here, scene, steps};
+use super::{outputs, run_here, scene, seeds, steps};
 use crate::base::faulty_input::{Fault, FaultyInput};
 use crate::codec::meshes::{self, ply};
 use crate::disk::MemStore;
@@ -164,12 +164,7 @@ fn a_fault_at_any_call_on_an_input_costs_nothing_that_stays() {
 #[test]
 fn schedules_of_faults_cost_nothing_that_stays() {
     let tried = Tried::new();
-    let number = |name| std::env::var(name).ok().and_then(|text| text.parse::<u64>().ok());
-    let seeds = match number("GONIO_INPUT_FAULT") {
-        Some(seed) => seed..seed + 1,
-        None => 0..number("GONIO_INPUT_FAULTS").unwrap_or(FEW),
-    };
-    for seed in seeds {
+    for seed in seeds("GONIO_INPUT_FAULT", "GONIO_INPUT_FAULTS", FEW) {
         let mut random = SmallRng::seed_from_u64(seed);
         let all: Vec<Fault> = PASSING.into_iter().chain(CHANGES).collect();
         let faults: Vec<(u64, Fault)> = (0..random.random_range(2..6))

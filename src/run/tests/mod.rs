@@ -59,6 +59,12 @@ fn steps(nth: usize, all: u64, one_in: usize) -> impl Iterator<Item = u64> {
     (0..all).skip(nth % one_in).step_by(one_in)
 }
 
+/// The seeds to try: the one that the first variable names, or as many as the second says, or a few.
+fn seeds(one: &str, many: &str, few: u64) -> std::ops::Range<u64> {
+    let number = |name| std::env::var(name).ok().and_then(|text| text.parse::<u64>().ok());
+    number(one).map_or(0..number(many).unwrap_or(few), |seed| seed..seed + 1)
+}
+
 fn run_here(store: Arc<dyn Store>, pipeline: &Pipeline) -> Result<(Report, Vec<String>)> {
     let progress = Progress::new();
     let report = run_phases(PHASES, store, pipeline, &StopSignal::new(), &progress)?;

@@ -13,7 +13,7 @@ use rand::{RngExt, SeedableRng};
 use tempfile::TempDir;
 
 use super::inputs::thin;
-use super::{outputs, scene};
+use super::{outputs, scene, seeds};
 use crate::base::PhaseName;
 use crate::disk::journal::{Journal, Step};
 use crate::disk::names::TEMPORARY;
@@ -139,12 +139,7 @@ fn a_cut_at_any_step_costs_no_byte() {
 #[test]
 fn cuts_that_lose_anything_cost_no_byte() {
     let tried = Tried::new();
-    let number = |name| std::env::var(name).ok().and_then(|text| text.parse::<u64>().ok());
-    let seeds = match number("GONIO_POWER_CUT") {
-        Some(seed) => seed..seed + 1,
-        None => 0..number("GONIO_POWER_CUTS").unwrap_or(FEW),
-    };
-    for seed in seeds {
+    for seed in seeds("GONIO_POWER_CUT", "GONIO_POWER_CUTS", FEW) {
         let done = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| seeded(&tried, seed)));
         let why = done.unwrap_or_else(|_| Err("a panic".to_owned())).err();
         assert_eq!(
