@@ -11,6 +11,7 @@ use super::scene::LoadedScene;
 use crate::codec::images::mask_path;
 use crate::config::Choice;
 use crate::pipeline::{Pipeline, UpFrom};
+use crate::scene::frame::Frame;
 use crate::scene::up::{By, Upright};
 use crate::stages::light::Mode;
 
@@ -33,23 +34,13 @@ pub(crate) struct Inputs {
 impl Inputs {
     /// Looks at a scene's inputs: at the header of every photograph and mask.
     pub(crate) fn of(pipeline: &Pipeline, scene: &LoadedScene) -> Inputs {
-        let decode = scene.decode(pipeline, "");
+        let decode = scene.decode(pipeline);
         let unread: Vec<(String, String)> = scene
             .frames
             .par_iter()
             .filter_map(|frame| decode.need(frame).err().map(|why| (frame.name.clone(), why.to_string())))
             .collect();
-        let up = up(pipeline);
-        let leaning = up.filter(|up| matches!(up.by, By::Unsure(_))).map(|up| up.to_string());
-        let doubts = [
-            leaning,
-            scene.assumed.clone(),
-            unposed(pipeline, scene),
-            masks(pipeline, scene),
-            scene.mesh.coarse(),
-            sun(pipeline),
-        ];
-        Inputs { frames: scene.frames.len(), up, unread, doubts: doubts.into_iter().flatten().collect() }
+        Inputs { frames: scene.frames.len(), up: up(pipeline), unread, doubts: doubts(pipeline, scene) }
     }
 
     /// All that is to be told, a line each.
@@ -66,6 +57,13 @@ impl Inputs {
         let up = up.filter(|up| !matches!(up.by, By::Unsure(_))).map(|up| up.to_string());
         up.into_iter().chain(head).chain(told).chain(rest).chain(doubts.iter().cloned()).collect()
     }
+}
+
+/// What is doubtful of a scene's inputs, a line each, as far as it is told without opening a photograph.
+pub(super) fn doubts(pipeline: &Pipeline, scene: &LoadedScene) -> Vec<String> {
+    let leaning = up(pipeline).filter(|up| matches!(up.by, By::Unsure(_))).map(|up| up.to_string());
+    let (unposed, masks, coarse) = (unposed(pipeline, scene), masks(pipeline, scene), scene.mesh.coarse());
+    [leaning, scene.assumed.clone(), unposed, masks, coarse, sun(pipeline)].into_iter().flatten().collect()
 }
 
 /// Tells of photographs without a pose.
@@ -89,10 +87,9 @@ fn unposed(pipeline: &Pipeline, scene: &LoadedScene) -> Option<String> {
 /// Tells of masks that are not there.
 fn masks(pipeline: &Pipeline, scene: &LoadedScene) -> Option<String> {
     let (masks, images) = (pipeline.scene.masks.as_ref()?, &pipeline.scene.images);
-    let with =
-        scene.frames.par_iter().filter(|frame| matches!(mask_path(masks, images, &frame.name), Ok(Some(_)))).count();
-    let (all, first) =
-        (scene.frames.len(), scene.frames.iter().find(|f| !matches!(mask_path(masks, images, &f.name), Ok(Some(_))))?);
+    let is_bare = |frame: &&Frame| !matches!(mask_path(masks, images, &frame.name), Ok(Some(_)));
+    let bare: Vec<&Frame> = scene.frames.par_iter().filter(is_bare).collect();
+    let (all, with, first) = (scene.frames.len(), scene.frames.len() - bare.len(), bare.first()?);
     let stem = Path::new(&first.name).with_extension("");
     let (name, stem, folder) = (&first.name, stem.display(), masks.display());
     let head = if with == 0 {

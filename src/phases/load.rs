@@ -2,7 +2,7 @@
 
 use super::context::Context;
 use super::facts::Facts;
-use super::inputs::{self, Inputs};
+use super::inputs;
 use super::known::{Known, Look};
 use super::phase::Phase;
 use super::takes::{BYTES_PER_SECOND, Takes};
@@ -45,8 +45,9 @@ impl Phase for Load {
         let casts = surveyed.groups.all().iter().any(|group| !ledger.is_done(&group.recipe.unit()));
         if casts {
             // Photographs that cannot be read are told of when they are skipped.
-            let inputs = pool::share(run.pipeline.run.threads(), || Inputs::of(run.pipeline, &surveyed.scene))?;
-            inputs.doubts.into_iter().for_each(|doubt| run.progress.note(doubt));
+            let doubts = || inputs::doubts(run.pipeline, &surveyed.scene);
+            let doubts = pool::share(run.pipeline.run.threads(), doubts)?;
+            doubts.into_iter().for_each(|doubt| run.progress.note(doubt));
         }
         if let Some(damage) = surveyed.light.damage() {
             let (page, why, kept) = (&damage.page, &damage.why, damage.kept.join(", "));
