@@ -101,7 +101,7 @@ fn the_process_stays_under_its_limit_and_leaves_the_same() {
     let wanted = peak(dir.path(), "free", 16 << 30);
     assert!(wanted > 1024 * MIB, "the scene asks for too little to show anything: {} MiB", wanted / MIB);
     let expected = tables(dir.path(), "free");
-    for limit in [256, 1024] {
+    for limit in [256, 512, 1024] {
         let work = format!("limit-{limit}");
         let held = peak(dir.path(), &work, limit * MIB);
         println!("{} MiB of {limit} MiB; without a limit {} MiB", held / MIB, wanted / MIB);
