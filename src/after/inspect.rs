@@ -42,7 +42,7 @@ pub(crate) fn buffers(pipeline: &Pipeline, frame: &str, out: &Path) -> Result<()
         }
     }
     buffers::write(out, all)?;
-    scene.decode(pipeline, "").read(frame, pipeline.run.memory.0).map(drop)
+    scene.decode(pipeline).read(frame, pipeline.run.memory.0).map(drop)
 }
 
 /// Writes the reflectance maps of these triangles, as `.npz` or as one `.png`, by the name of `out`.

@@ -9,6 +9,7 @@ use crate::base::ids::FrameId;
 use crate::base::input::Input;
 use crate::base::key::{Key, KeyBuilder};
 use crate::base::patience::Patience;
+use crate::base::shown::quoted;
 use crate::base::units::Bytes;
 use crate::base::{Error, PhaseName, Result};
 use crate::cache::{self, Cached};
@@ -164,15 +165,15 @@ impl LoadedScene {
         cache::building(self.mesh.len() as u64, self.mesh.positions.len() as u64)
     }
 
-    /// The stage that reads the frames. `replay` is the command that shows what one of them sees, but for its name.
-    pub(crate) fn decode<'a>(&'a self, pipeline: &'a Pipeline, replay: &'a str) -> Decode<'a> {
+    /// The stage that reads the frames.
+    pub(crate) fn decode<'a>(&'a self, pipeline: &'a Pipeline) -> Decode<'a> {
         Decode {
             frames: &self.frames,
             images: &pipeline.scene.images,
             masks: pipeline.scene.masks.as_deref(),
             downscale: pipeline.decode.downscale,
             curve: pipeline.decode.curve(),
-            replay,
+            replay: format!("gonio buffers {} --out frame.exr", quoted(&pipeline.file.to_string_lossy())),
             patience: Arc::default(),
         }
     }

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 use crate::base::patience::Patience;
 use crate::codec::meshes;
@@ -132,6 +132,11 @@ impl Section for Scene {
 const USUAL: [f64; 3] = [0.0, 0.0, 1.0];
 
 impl Scene {
+    /// The unit vector up.
+    pub(crate) fn zenith(&self) -> Vec3 {
+        DVec3::from(self.up).as_vec3().normalize_or_zero()
+    }
+
     /// Finds the way up, unless it is given. A city that the pipeline makes has its own.
     pub(super) fn find_up(&mut self, makes_city: bool) {
         if self.up_from == UpFrom::Given {

@@ -210,7 +210,7 @@ pub(crate) struct Decode<'a> {
     /// How stored samples become radiance.
     pub curve: Curve,
     /// The command that shows what one frame sees, but for the frame's name.
-    pub replay: &'a str,
+    pub replay: String,
     /// What is waited for where a file cannot be read.
     pub(crate) patience: Arc<Patience>,
 }
@@ -324,7 +324,7 @@ impl Map for Decode<'_> {
                 });
                 let image = read.map_err(|why| {
                     let why = if is_broken(&why) { why.to_string() } else { not_read(&why) };
-                    skipped(posed, &why, self.replay)
+                    skipped(posed, &why, &self.replay)
                 });
                 let held = image.as_ref().map_or(0, LinearImage::bytes);
                 memory.shrink(memory.bytes().saturating_sub(held));

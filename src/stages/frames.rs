@@ -37,7 +37,7 @@ impl Source for Frames<'_> {
             let memory = match self.bytes(posed) {
                 Ok(bytes) => Ok(self.budget.reserve("frames", bytes)?),
                 Err((content, why)) => {
-                    let skipped = skipped(posed, &why, self.decode.replay);
+                    let skipped = skipped(posed, &why, &self.decode.replay);
                     Err(Unread { skipped, contents: Contents::without(content) })
                 }
             };

@@ -18,6 +18,7 @@ use crate::disk::{self, Damage, Ledger, Recipe, Store, UnitName};
 use crate::phases::cause::{FORMAT, FrameInput};
 use crate::phases::light::FrozenLight;
 use crate::phases::scene::LoadedScene;
+use crate::phases::units::Unit;
 use crate::pipeline::Pipeline;
 use crate::scene::frame::Frame;
 use crate::shard::Segment;
@@ -188,13 +189,20 @@ impl FrameGroups {
 }
 
 impl Group {
-    /// The group as stages take it.
-    pub(crate) fn to_cast(&self) -> GroupFrames {
-        GroupFrames { recipe: self.recipe.clone(), frames: self.frames.clone() }
+    /// The group as a unit.
+    pub(crate) fn unit(&self) -> Unit {
+        Unit::new(self.recipe.clone()).weighing(self.frames.len() as u64)
+    }
+
+    /// The groups that these units are, as stages take them.
+    pub(crate) fn of_units(groups: &[Group], units: &[Unit]) -> Vec<GroupFrames> {
+        let find = |unit: &Unit| groups.iter().find(|group| group.recipe == unit.recipe);
+        let taken = |group: &Group| GroupFrames { recipe: group.recipe.clone(), frames: group.frames.clone() };
+        units.iter().filter_map(find).map(taken).collect()
     }
 
     /// The recipe of the group once these contents of its frames' files were read.
-    pub(crate) fn read(recipe: &Recipe, all: &[Frame], contents: &[(FrameId, Contents)]) -> Recipe {
+    pub(super) fn read(recipe: &Recipe, all: &[Frame], contents: &[(FrameId, Contents)]) -> Recipe {
         contents.iter().fold(recipe.clone(), |recipe, (id, contents)| with_contents(recipe, &all[id.index()], contents))
     }
 }

@@ -1,17 +1,15 @@
 //! The cast phase: a unit is a frame group.
 
-use std::collections::BTreeMap;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
 use super::causes::causes;
+use super::commits::Commits;
 use super::frozen::Frozen;
 use super::groups::Group;
 use super::share::{CastNeeds, CastShare};
 use crate::base::convert::Cut;
-use crate::base::ids::FrameId;
-use crate::base::shown::quoted;
 use crate::base::{Error, PhaseName, Result};
-use crate::disk::{Damage, FileEntry, Ledger, Recipe, Rotten, Store};
+use crate::disk::{Damage, Ledger, Recipe, Rotten, Store};
 use crate::flow::{Flow, Skipped, pool};
 use crate::phases::cause::Cause;
 use crate::phases::context::Context;
@@ -23,9 +21,8 @@ use crate::phases::takes::{QUEUE, Takes};
 use crate::phases::units::{Extent, Unit, Units};
 use crate::pipeline::Pipeline;
 use crate::stages::cast::{self, Counts};
-use crate::stages::decode::Contents;
 use crate::stages::frames::Frames;
-use crate::stages::gather::{Gather, GroupFrames, SEGMENT, read_tally};
+use crate::stages::gather::{Gather, SEGMENT, read_tally};
 use crate::trace::Bvh;
 
 /// The phase; a unit is a group of frames.
@@ -54,9 +51,8 @@ impl Phase for Cast {
     }
 
     fn units(&self, known: &Known<'_>, _: &dyn Store, ledger: &Ledger) -> Result<Units> {
-        let unit = |group: &Group| Unit::new(group.recipe.clone()).weighing(group.frames.len() as u64);
         let surveyed = known.surveyed()?;
-        let all = surveyed.groups.all().iter().map(unit).collect();
+        let all = surveyed.groups.all().iter().map(Group::unit).collect();
         // Before exposures are found for the first time, all is to come.
         let waits = known.pipeline.solves_exposure() && surveyed.light.state().gains.is_empty();
         let looked = surveyed.groups.looks().iter().all(|group| ledger.is_done(&group.recipe.unit()));
@@ -105,11 +101,7 @@ impl Phase for Cast {
 
     fn work(&self, run: &mut Context<'_>, to_do: &[Unit]) -> Result<()> {
         let pipeline = run.pipeline;
-        let groups: Vec<GroupFrames> = {
-            let all = run.known.surveyed()?.groups.all();
-            let find = |unit: &Unit| all.iter().find(|group| group.recipe == unit.recipe);
-            to_do.iter().filter_map(find).map(Group::to_cast).collect()
-        };
+        let groups = Group::of_units(run.known.surveyed()?.groups.all(), to_do);
         let (store, ledger, budget) = (Arc::clone(&run.store), Arc::clone(&run.ledger), run.budget.clone());
         let stop = run.stop.clone();
         let surveyed = run.known.surveyed()?;
@@ -120,20 +112,13 @@ impl Phase for Cast {
         let rows = budget.reserve("gather", share.gather)?;
         let scene = &surveyed.scene;
         let bvh = scene.bvh();
-        let replay = format!("gonio buffers {} --out frame.exr", quoted(&pipeline.file.to_string_lossy()));
-        let decode = scene.decode(pipeline, &replay);
+        let decode = scene.decode(pipeline);
         let (tile, downscale) = (pipeline.cast.tile, pipeline.decode.downscale);
         let gains = surveyed.groups.gains();
         let cast =
             cast::Cast { frames: &scene.frames, mesh: &scene.mesh, bvh: &bvh, tile, downscale, piece, gains: &gains };
-        // What a unit is made of is what was read of its files.
-        let read = Mutex::new(BTreeMap::new());
-        let commit = |group: &GroupFrames, contents: &[(FrameId, Contents)], files: Vec<FileEntry>| {
-            let recipe = Group::read(&group.recipe, &scene.frames, contents);
-            ledger.commit(&recipe, files)?;
-            read.lock().unwrap_or_else(PoisonError::into_inner).insert(group.recipe.unit(), recipe);
-            Ok(())
-        };
+        let commits = Commits::new(&ledger, &scene.frames);
+        let commit = |group: &_, contents: &_, files| commits.commit(group, contents, files);
         let gather = Gather::new(&groups, store, rows, &commit);
         let frames = Frames { groups: &groups, decode: decode.clone(), budget: &budget, memory: budget.left() };
         let flow = Flow::source(&stop, "frames", frames)
@@ -142,7 +127,7 @@ impl Phase for Cast {
             .fold("gather", gather, QUEUE);
         run.progress.watch(flow.meters());
         flow.run()?;
-        let read = read.into_inner().unwrap_or_else(PoisonError::into_inner);
+        let read = commits.recipes();
         run.known.surveyed_mut()?.groups.settle(&read);
         Ok(())
     }

@@ -23,7 +23,7 @@ pub struct Readable {
 impl Readable {
     /// Looks at the headers of all images, for a process that holds `process` bytes before it reads a scene.
     pub fn of(pipeline: &Pipeline, scene: &LoadedScene, process: u64) -> Readable {
-        let decode = scene.decode(pipeline, "");
+        let decode = scene.decode(pipeline);
         // Files that have not been made yet will be JPEGs.
         let made = pipeline.is_made();
         let need = |frame: &Frame| match decode.need(frame) {

@@ -17,7 +17,7 @@ use rayon::prelude::*;
 
 use super::readable::Readable;
 use crate::base::Result;
-use crate::base::convert::{to_f32, to_u32};
+use crate::base::convert::to_u32;
 use crate::base::ids::{FrameId, TriangleId};
 use crate::flow::Map;
 use crate::phases::facts::Trial;
@@ -90,7 +90,7 @@ impl Trial {
     /// # Errors
     /// None that a bad frame causes; those of casting.
     pub fn of(pipeline: &Pipeline, scene: &LoadedScene, base: u64, fit: &Readable, lit: bool) -> Result<Option<Trial>> {
-        let decode = scene.decode(pipeline, "");
+        let decode = scene.decode(pipeline);
         let made = pipeline.is_made();
         let threads = rayon::current_num_threads() as u64;
         let tree = if scene.is_mapped() { 0 } else { subtree(scene.mesh.len()) };
@@ -183,7 +183,7 @@ fn cast(
 /// Finds the light of some triangles.
 fn light(pipeline: &Pipeline, mesh: &Mesh, bvh: &Bvh) -> Cost {
     // One sun takes as long as another, and where it stands need not be known yet.
-    let up = Vec3::from(pipeline.scene.up.map(to_f32)).normalize_or_zero();
+    let up = pipeline.scene.zenith();
     let light = SunAndSky { sun: Sun { direction: up, color: Vec3::ONE }, sky: Vec3::ONE };
     let light = SceneLight::new(pipeline.light.known().unwrap_or(light), mesh, bvh, pipeline.scene.up);
     let some = LIT.min(mesh.len());

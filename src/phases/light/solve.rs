@@ -2,8 +2,6 @@
 
 use std::collections::BTreeMap;
 
-use glam::DVec3;
-
 use super::ephemeris::under;
 use super::found::{FoundLight, Gain, Looked};
 use super::frozen::State;
@@ -72,7 +70,7 @@ impl Evidence<'_> {
 
     fn light(&self, gains: &Gains) -> FoundLight {
         let (mesh, bvh) = (&self.scene.mesh, self.scene.bvh());
-        let up = DVec3::from(self.pipeline.scene.up).as_vec3().normalize_or_zero();
+        let up = self.pipeline.scene.zenith();
         let scene = light::Scene { mesh, bvh: &bvh, up };
         let settings = Settings { white: self.pipeline.light.white };
         let clues = Clues::new(&scene, self.sample, self.sightings, gains);

@@ -1,16 +1,12 @@
 //! The look phase: a unit is a frame group.
 
-use std::collections::BTreeMap;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
-use glam::DVec3;
-
-use crate::base::ids::FrameId;
 use crate::base::{PhaseName, Result};
-use crate::disk::{FileEntry, Ledger, Recipe, Store};
+use crate::disk::{Ledger, Recipe, Store};
 use crate::flow::{Flow, pool};
 use crate::light::{Sighting, TRIANGLES, sample};
-use crate::phases::cast::{Group, causes};
+use crate::phases::cast::{Commits, Group, causes};
 use crate::phases::cause::Cause;
 use crate::phases::context::Context;
 use crate::phases::facts::Facts;
@@ -19,9 +15,7 @@ use crate::phases::phase::Phase;
 use crate::phases::takes::{QUEUE, STACK, StageTakes, Takes};
 use crate::phases::units::{Extent, Unit, Units};
 use crate::pipeline::Pipeline;
-use crate::stages::decode::Contents;
 use crate::stages::frames::Frames;
-use crate::stages::gather::GroupFrames;
 use crate::stages::look::{self, Keep, read_skipped, usual_pixels};
 use crate::trace::Bvh;
 
@@ -59,10 +53,9 @@ impl Phase for Look {
         let surveyed = run.known.surveyed_mut()?;
         pool::share(pipeline.run.threads(), || {
             let scene = &surveyed.scene;
-            let up = DVec3::from(pipeline.scene.up).as_vec3().normalize_or_zero();
             surveyed.light.freeze_sample(|| {
                 let sizes = usual_pixels(&scene.mesh, &scene.frames, pipeline.decode.downscale);
-                sample(&scene.mesh, up, &sizes, TRIANGLES)
+                sample(&scene.mesh, pipeline.scene.zenith(), &sizes, TRIANGLES)
             })?;
             surveyed.groups.freeze(pipeline, &ledger, scene, &surveyed.light)
         })?
@@ -72,8 +65,7 @@ impl Phase for Look {
         if !known.pipeline.is_looked_at() {
             return Ok(Units::absent());
         }
-        let unit = |group: &Group| Unit::new(group.recipe.clone()).weighing(group.frames.len() as u64);
-        let all = known.surveyed()?.groups.looks().iter().map(unit).collect();
+        let all = known.surveyed()?.groups.looks().iter().map(Group::unit).collect();
         Ok(Units { noun: "looks", all, extent: Extent::Exact })
     }
 
@@ -115,28 +107,17 @@ impl Phase for Look {
     fn work(&self, run: &mut Context<'_>, to_do: &[Unit]) -> Result<()> {
         let pipeline = run.pipeline;
         let surveyed = run.known.surveyed()?;
-        let groups: Vec<GroupFrames> = {
-            let all = surveyed.groups.looks();
-            let find = |unit: &Unit| all.iter().find(|group| group.recipe == unit.recipe);
-            to_do.iter().filter_map(find).map(Group::to_cast).collect()
-        };
+        let groups = Group::of_units(surveyed.groups.looks(), to_do);
         let (ledger, budget, stop) = (Arc::clone(&run.ledger), run.budget.clone(), run.stop.clone());
         let workers = Look::workers(pipeline, surveyed.facts.frame, budget.left());
         let _held = budget.reserve("look", (3 * workers as u64 * WORKER).min(budget.left()))?;
         let (scene, sample) = (&surveyed.scene, surveyed.light.sample());
         let bvh = scene.bvh();
-        let replay = format!("gonio buffers {} --out frame.exr", pipeline.file.display());
-        let decode = scene.decode(pipeline, &replay);
+        let decode = scene.decode(pipeline);
         let downscale = pipeline.decode.downscale;
         let looks = look::Look { frames: &scene.frames, mesh: &scene.mesh, bvh: &bvh, sample: &sample, downscale };
-        // What a unit is made of is what was read of its files.
-        let read = Mutex::new(BTreeMap::new());
-        let commit = |group: &GroupFrames, contents: &[(FrameId, Contents)], files: Vec<FileEntry>| {
-            let recipe = Group::read(&group.recipe, &scene.frames, contents);
-            ledger.commit(&recipe, files)?;
-            read.lock().unwrap_or_else(PoisonError::into_inner).insert(group.recipe.unit(), recipe);
-            Ok(())
-        };
+        let commits = Commits::new(&ledger, &scene.frames);
+        let commit = |group: &_, contents: &_, files| commits.commit(group, contents, files);
         let keep = Keep::new(&groups, Arc::clone(&run.store), &commit);
         let frames = Frames { groups: &groups, decode: decode.clone(), budget: &budget, memory: budget.left() };
         let flow = Flow::source(&stop, "frames", frames)
@@ -145,7 +126,7 @@ impl Phase for Look {
             .fold("keep", keep, QUEUE);
         run.progress.watch(flow.meters());
         flow.run()?;
-        let read = read.into_inner().unwrap_or_else(PoisonError::into_inner);
+        let read = commits.recipes();
         run.known.surveyed_mut()?.groups.settle(&read);
         Ok(())
     }
