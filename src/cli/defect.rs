@@ -2,11 +2,11 @@
 
 use std::env;
 use std::fmt::{self, Write};
-use std::io::Write as _;
 use std::panic::{self, PanicHookInfo};
 use std::thread;
 
-use super::streams::last_words;
+use super::out_of_memory;
+use super::stack_words::{OneLine, Words};
 use crate::base::guard;
 
 /// Tells of every panic, in place of the standard library; with its backtrace after it where `RUST_BACKTRACE` asks for one.
@@ -14,6 +14,7 @@ pub(super) fn tell_of_panics() {
     let traced = env::var_os("RUST_BACKTRACE").is_some_and(|value| value != "0");
     let usual = panic::take_hook();
     panic::set_hook(Box::new(move |panic| {
+        out_of_memory::end_where_out(panic);
         // What is guarded becomes an error in words.
         if guard::is_guarded() {
             return;
@@ -37,46 +38,6 @@ fn tell(words: &mut Words, panic: &PanicHookInfo<'_>) -> fmt::Result {
     let advice = "gonio: please report these lines and the command that led to them, once more with RUST_BACKTRACE=1; committed \
                   work stays";
     writeln!(words, "{advice}")
-}
-
-/// A text of many lines as one, and only so much of it that the words after it fit.
-struct OneLine<'a>(&'a str);
-
-impl fmt::Display for OneLine<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let mut chars = self.0.chars().map(|c| if c.is_control() { ' ' } else { c });
-        chars.by_ref().take(500).try_for_each(|c| f.write_char(c))?;
-        f.write_str(if chars.next().is_some() { " ..." } else { "" })
-    }
-}
-
-/// Words on the stack; those that do not fit are dropped.
-pub(super) struct Words {
-    bytes: [u8; 4096],
-    length: usize,
-}
-
-impl Default for Words {
-    fn default() -> Self {
-        Words { bytes: [0; 4096], length: 0 }
-    }
-}
-
-impl fmt::Write for Words {
-    fn write_str(&mut self, text: &str) -> fmt::Result {
-        let mut free = &mut self.bytes[self.length..];
-        let before = free.len();
-        let wrote = free.write_all(text.as_bytes());
-        self.length += before - free.len();
-        wrote.map_err(|_| fmt::Error)
-    }
-}
-
-impl Words {
-    /// Writes the words to standard error.
-    pub(super) fn say(&self) {
-        last_words(&self.bytes[..self.length]);
-    }
 }
 
 #[cfg(test)]
@@ -108,15 +69,5 @@ mod tests {
             assert!(ours[1].contains("please report") && !said.contains("guarded"), "{said}");
             assert_eq!(said.contains("stack backtrace"), traced, "{said}");
         }
-    }
-
-    #[test]
-    fn words_that_do_not_fit_are_dropped() {
-        let mut words = Words::default();
-        assert!(write!(words, "{}", OneLine(&"a\nb".repeat(1000))).is_ok());
-        assert!(words.bytes.starts_with(b"a ba b") && words.bytes[..words.length].ends_with(b" ..."));
-        assert_eq!(words.length, 504);
-        assert!((0..8).any(|_| writeln!(words, "{}", "x".repeat(1000)).is_err()));
-        assert_eq!(words.length, words.bytes.len());
     }
 }

@@ -29,6 +29,7 @@ mod render;
 mod report;
 mod run;
 mod shell;
+mod stack_words;
 mod streams;
 mod synth;
 mod verify;

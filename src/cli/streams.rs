@@ -5,6 +5,8 @@
 //! ends.
 
 use std::io::{self, ErrorKind, StdoutLock, Write};
+#[cfg(unix)]
+use std::os::fd::{AsFd, BorrowedFd};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::sleep;
 use std::time::Duration;
@@ -72,14 +74,33 @@ static BEFORE_MAIN: extern "C" fn() = {
 /// Writes words to standard error where that can be done at once: it waits for no lock and for no reader.
 pub(super) fn last_words(words: &[u8]) {
     #[cfg(unix)]
-    {
-        use rustix::event::{PollFd, PollFlags, poll};
-        let stderr = rustix::stdio::stderr();
-        let mut writable = [PollFd::new(&stderr, PollFlags::OUT)];
-        if poll(&mut writable, Some(&rustix::event::Timespec { tv_sec: 0, tv_nsec: 0 })) == Ok(1) {
-            rustix::io::write(stderr, words).unwrap_or_default();
-        }
-    }
+    say_at_once(rustix::stdio::stderr(), words);
     #[cfg(not(unix))]
     io::stderr().write_all(words).unwrap_or_default();
+}
+
+/// Writes the last words of standard error at once, on a line of their own: what other threads write from now on is lost. It
+/// allocates nothing.
+pub(super) fn parting_words(words: &[u8]) {
+    #[cfg(unix)]
+    {
+        use rustix::fs::{Mode, OFlags, open};
+        let kept = rustix::io::dup(rustix::stdio::stderr());
+        if let (Ok(kept), Ok(null)) = (&kept, open(c"/dev/null", OFlags::WRONLY, Mode::empty()))
+            && rustix::stdio::dup2_stderr(null).is_ok()
+        {
+            say_at_once(kept.as_fd(), b"\n");
+            return say_at_once(kept.as_fd(), words);
+        }
+    }
+    last_words(words);
+}
+
+#[cfg(unix)]
+fn say_at_once(stderr: BorrowedFd<'_>, words: &[u8]) {
+    use rustix::event::{PollFd, PollFlags, Timespec, poll};
+    let mut writable = [PollFd::new(&stderr, PollFlags::OUT)];
+    if poll(&mut writable, Some(&Timespec { tv_sec: 0, tv_nsec: 0 })) == Ok(1) {
+        rustix::io::write(stderr, words).unwrap_or_default();
+    }
 }
