@@ -3,7 +3,6 @@
 use std::path::Path;
 
 use super::listing::{Listing, below, named};
-use crate::base::Result;
 use crate::base::patience::Patience;
 use crate::codec::images::is_picture;
 use crate::codec::meshes::is_named;
@@ -30,18 +29,15 @@ pub(super) struct Cameras {
 /// All poses, what is nearer first, and what is to be said of those that cannot be read.
 pub(super) fn find(root: &Path, listing: &Listing) -> (Vec<Cameras>, Vec<String>) {
     let (mut found, mut broken) = (Vec::new(), Vec::new());
+    let photographs = PhotographFolder::new(root);
+    let patience = Patience::default();
     for (format, path) in places(root, listing) {
-        match read(format, root, &path) {
+        match patience.with(|| poses::read(format, &root.join(&path), &photographs)) {
             Ok(frames) => found.push(Cameras { format, path, frames }),
             Err(why) => broken.push(format!("poses {} cannot be read: {why}", named(&path))),
         }
     }
     (found, broken)
-}
-
-fn read(format: &PoseFormat, root: &Path, path: &str) -> Result<Vec<Frame>> {
-    let photographs = PhotographFolder::new(root);
-    Patience::default().with(|| poses::read(format, &root.join(path), &photographs))
 }
 
 /// Where the poses lie.

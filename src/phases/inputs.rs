@@ -6,9 +6,9 @@ use std::path::Path;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::photographs::pictures;
 use super::scene::LoadedScene;
 use crate::codec::images::mask_path;
+use crate::codec::poses::{PhotographFolder, Photographs};
 use crate::config::Choice;
 use crate::pipeline::{Pipeline, UpFrom};
 use crate::scene::frame::Frame;
@@ -69,7 +69,8 @@ pub(super) fn doubts(pipeline: &Pipeline, scene: &LoadedScene) -> Vec<String> {
 /// Tells of photographs without a pose.
 fn unposed(pipeline: &Pipeline, scene: &LoadedScene) -> Option<String> {
     let posed: BTreeSet<&str> = scene.frames.iter().map(|frame| frame.name.as_str()).collect();
-    let files = pictures(&pipeline.scene.images);
+    let photographs = PhotographFolder::new(&pipeline.scene.images);
+    let files = photographs.names().unwrap_or_default();
     let is_mask = |file: &str| pipeline.scene.masks.as_ref() == Some(&pipeline.scene.images) && file.contains("mask");
     let without: Vec<&String> = files.iter().filter(|file| !posed.contains(file.as_str()) && !is_mask(file)).collect();
     let first: Vec<&str> = without.iter().take(TOLD).map(|name| name.as_str()).collect();

@@ -143,7 +143,7 @@ impl LoadedScene {
             let again = "which could not be read a moment ago, and tell the way up: try again";
             return Err(Error::io("read", &scene.poses.path)(std::io::Error::other(again)));
         }
-        let assumed = find_photographs(&mut frames, &scene.images);
+        let assumed = find_photographs(&mut frames, &scene.images, &photographs);
         Ok(LoadedScene { mesh, mesh_key, frames, assumed, cached })
     }
 

@@ -65,14 +65,13 @@ impl Header {
         let workspace = block.saturating_mul(4).saturating_add(blocks.saturating_mul(BLOCK)).saturating_add(tables);
         let size = Size { width: side(window.size.width())?, height: side(window.size.height())? };
         let offset = layer.own_attributes.layer_position - window.position;
-        let whole = within_window(layer, offset);
-        let masked = has(layer, &format!("{prefix}A")) || !whole;
+        let masked = has(layer, &format!("{prefix}A")) || !fills_window(layer, offset);
         Ok(Header { size, workspace, masked, prefix, grey, offset })
     }
 }
 
 /// Whether a layer at this position in its display window fills it.
-fn within_window(layer: &Layer, offset: Vec2<i32>) -> bool {
+fn fills_window(layer: &Layer, offset: Vec2<i32>) -> bool {
     let fills =
         |offset: i32, side: usize, window: usize| offset <= 0 && i64::from(offset) + side as i64 >= window as i64;
     let (side, window) = (layer.layer_size, layer.shared_attributes.display_window.size);
