@@ -17,9 +17,17 @@ fn changed(name: &str, from: &str, to: &str) -> Result<Posed, String> {
     read(written.format, &files, &Listed::of(&frames)).map_err(|why| why.to_string())
 }
 
+/// Holds that a format's files in which a text is replaced by another are refused with these words.
+fn refuses(cases: &[(&str, &str, &str, &str)]) {
+    for (name, from, to, words) in cases {
+        let why = changed(name, from, to).unwrap_err();
+        assert!(why.contains(words), "{name}: {why}");
+    }
+}
+
 #[test]
 fn what_no_lens_can_say_is_refused_by_its_name() {
-    for (name, from, to, words) in [
+    refuses(&[
         ("opensfm", "\"brown\"", "\"dual\"", "the projection \"dual\" is not read"),
         ("opensfm", "\"brown\"", "\"spherical\"", "the projection \"spherical\" is not read"),
         ("transforms", "\"OPENCV\"", "\"EQUIRECTANGULAR\"", "camera_model is \"EQUIRECTANGULAR\""),
@@ -37,15 +45,12 @@ fn what_no_lens_can_say_is_refused_by_its_name() {
         ("micmac", "eConvApero_DistM2C", "eConvApero_DistC2M", "its convention is \"eConvApero_DistC2M\""),
         ("blocks_exchange", "Perspective", "Fisheye", "CameraModelType is \"Fisheye\""),
         ("nvm", "NVM_V3", "NVM_V3_R9T", "the version is \"NVM_V3_R9T\""),
-    ] {
-        let why = changed(name, from, to).unwrap_err();
-        assert!(why.contains(words), "{name}: {why}");
-    }
+    ]);
 }
 
 #[test]
 fn what_is_no_pose_is_refused_in_words() {
-    for (name, from, to, words) in [
+    refuses(&[
         ("opensfm, rigs", "rig_camera_ids", "rig_ids", "neither a pose nor a rig"),
         (
             "opendronemap",
@@ -58,10 +63,7 @@ fn what_is_no_pose_is_refused_in_words() {
         ("tanks_and_temples", "2 0 0 1", "0 0 0 1", "its determinant is 0"),
         ("blocks_exchange", "M_00", "N_00", "export rotation matrices"),
         ("blocks_exchange", "XRightYDown", "XRightYRight", "as XRightYDown is needed"),
-    ] {
-        let why = changed(name, from, to).unwrap_err();
-        assert!(why.contains(words), "{name}: {why}");
-    }
+    ]);
 }
 
 #[test]
