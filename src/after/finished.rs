@@ -10,8 +10,9 @@ use crate::flow::pool;
 use crate::phases::light::{FoundLight, FrozenLight};
 use crate::phases::{LoadedScene, Meshes};
 use crate::pipeline::Pipeline;
-use crate::stages::light::{Mode, SunAndSky};
+use crate::stages::light::Mode;
 use crate::stages::merge::Materials;
+use crate::stages::scene_light::SunAndSky;
 
 /// A finished run.
 pub(super) struct Finished {

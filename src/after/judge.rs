@@ -18,7 +18,7 @@ use crate::render::pictures::PixelErrors;
 use crate::render::{Lighting, relight};
 use crate::scene::Material;
 use crate::scene::evidence::{Evidence, Filled};
-use crate::stages::light::{SceneLight, SunAndSky};
+use crate::stages::scene_light::{SceneLight, SunAndSky};
 use crate::trace::sky_visibility;
 use crate::trace::visibility::SKY_RAYS;
 
@@ -118,7 +118,7 @@ fn up(pipeline: &Pipeline) -> Vec3 {
 /// no light.
 fn lambertian(light: &SceneLight<'_>, mean: &[[f32; 3]]) -> Vec<Material> {
     let kd = |t: usize, mean: &[f32; 3]| {
-        let local = light.local(TriangleId::at(t));
+        let local = light.reaching(TriangleId::at(t)).light;
         let white = local.sun * local.direction.z.max(0.0) + local.sky;
         std::array::from_fn(|c| if white[c] > 1e-3 { (mean[c] / white[c]).clamp(0.0, 1.0) } else { 0.5 })
     };

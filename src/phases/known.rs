@@ -14,7 +14,8 @@ use crate::disk::{Ledger, Store};
 use crate::flow::pool;
 use crate::model::Estimator;
 use crate::pipeline::Pipeline;
-use crate::stages::light::{Mode, SunAndSky};
+use crate::stages::light::Mode;
+use crate::stages::scene_light::SunAndSky;
 
 /// What a scene is looked at for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -119,7 +120,7 @@ impl<'a> Known<'a> {
             return Ok(());
         }
         Err(Error::invalid(format!(
-            "no sun was found in the photographs, and [infer] estimator = \"{}\" needs one: set estimator = \"auto\", or give \
+            "no light was found in the photographs, and [infer] estimator = \"{}\" needs one: set estimator = \"auto\", or give \
              the sun with [light] mode = \"known\"",
             self.pipeline.infer.estimator.name()
         )))

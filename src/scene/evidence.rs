@@ -27,6 +27,9 @@ pub struct Evidence {
     /// Standard deviations of the material's components, in the order of [`Material::NAMES`]: two thirds of the truths lie
     /// within one. NaN where the estimator gives none, and where the material is not from the triangle's own map.
     pub deviation: [f32; Material::LEN],
+    /// Share of the triangle that the sun reaches, in [0, 1]: a material at 0 is known from the sky's light alone. NaN where the
+    /// light is unknown or has no sun, and where nothing was observed.
+    pub lit: f32,
 }
 
 /// The source of a material.
@@ -117,6 +120,7 @@ columns! {
     "ks_g_deviation": deviation[4],
     "ks_b_deviation": deviation[5],
     "roughness_deviation": deviation[6],
+    "lit": lit,
 }
 
 impl Evidence {
@@ -149,6 +153,7 @@ impl Evidence {
             mean_radiance: mean.map(|m| to_f32(m / n)),
             filled: Filled::Observed,
             deviation: [f32::NAN; Material::LEN],
+            lit: f32::NAN,
         }
     }
 }
@@ -167,20 +172,20 @@ mod tests {
         assert_eq!((e.observations, e.frames, e.bins, e.max_view_angle), (3.0, 2.0, 2.0, 88.5));
         assert_eq!(e.mean_radiance, [0.5, 0.25, 0.0]);
         assert!((e.radiance_spread - 0.25).abs() < 1e-6 && (e.clipped_share - 1.0 / 3.0).abs() < 1e-6);
-        let known = Evidence { deviation: [0.25; 7], ..e };
+        let known = Evidence { deviation: [0.25; 7], lit: 0.5, ..e };
         assert_eq!(Evidence::from_array(known.to_array()), known);
-        assert!(e.deviation.iter().all(|d| d.is_nan()));
+        assert!(e.deviation.iter().all(|d| d.is_nan()) && e.lit.is_nan());
         assert_eq!(Evidence::of(&SparseMap::default(), 0), Evidence::default());
     }
 
     #[test]
     fn every_column_keeps_its_place_and_its_value() {
-        let row: [f32; 17] = std::array::from_fn(|column| if column == 9 { 2.0 } else { 0.5 + column as f32 });
+        let row: [f32; 18] = std::array::from_fn(|column| if column == 9 { 2.0 } else { 0.5 + column as f32 });
         let evidence = Evidence::from_array(row);
         assert_eq!(evidence.to_array(), row);
         assert_eq!((evidence.clipped_share, evidence.mean_radiance[2], evidence.filled), (5.5, 8.5, Filled::SceneMean));
         assert_eq!((evidence.deviation[0], evidence.deviation[6]), (10.5, 16.5));
-        assert_eq!((Evidence::NAMES[9], Evidence::NAMES[16]), ("filled", "roughness_deviation"));
+        assert_eq!((evidence.lit, Evidence::NAMES[9], Evidence::NAMES[17]), (17.5, "filled", "lit"));
         for (code, filled) in [(f32::NAN, Filled::Observed), (-1.0, Filled::Nothing), (4.0, Filled::Nothing)] {
             let row = std::array::from_fn(|column| if column == 9 { code } else { 0.0 });
             assert_eq!(Evidence::from_array(row).filled, filled, "{code}");

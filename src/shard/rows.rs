@@ -20,7 +20,7 @@ use crate::scene::evidence::Evidence;
 const SEAL: Seal = Seal { magic: *b"GONIOROW", version: VERSION, kind: "shard of materials" };
 
 /// Version of the layout above; part of every shard's key.
-pub(crate) const VERSION: u32 = 2;
+pub(crate) const VERSION: u32 = 3;
 
 /// Bytes of shard and rows.
 const HEADER: usize = 8;

@@ -2,7 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use super::light::{self, SceneLight};
+use glam::Vec3;
+
+use super::light;
+use super::scene_light::{Reaching, SceneLight};
 use super::shards::Inferred;
 use crate::base::Result;
 use crate::config::{Choice, Effect, Key, Keys, Leads, Problem, Section, Settings, Value};
@@ -242,14 +245,21 @@ impl Map for Infer<'_> {
         for batch in asked.chunks(self.batch.max(1)) {
             let maps: Vec<&SparseMap> = batch.iter().map(|(_, map)| *map).collect();
             scratch.answers.resize(maps.len(), Estimate::default());
-            let local = |light: &SceneLight<'_>| -> Vec<LocalLight> {
-                batch.iter().map(|(slot, _)| light.local(rows[*slot].triangle)).collect()
+            let reaching = |light: &SceneLight<'_>| -> Vec<Reaching> {
+                batch.iter().map(|(slot, _)| light.reaching(rows[*slot].triangle)).collect()
             };
-            let lights = self.light.as_ref().map(local);
+            let reaching = self.light.as_ref().map(reaching);
+            let lights: Option<Vec<LocalLight>> =
+                reaching.as_ref().map(|all| all.iter().map(|reaching| reaching.light).collect());
             scratch.session.estimate(&maps, lights.as_deref(), &mut scratch.answers)?;
             for ((slot, _), answer) in batch.iter().zip(&scratch.answers) {
                 let Row { material, evidence, .. } = &mut rows[*slot];
                 (*material, evidence.deviation) = (answer.material.to_array(), answer.deviation);
+            }
+            for ((slot, _), reaching) in batch.iter().zip(reaching.iter().flatten()) {
+                let Row { material, evidence, .. } = &mut rows[*slot];
+                evidence.lit = reaching.lit;
+                widen(&mut evidence.deviation, material, reaching.doubt);
             }
         }
         let (number, more) = (shard.shard, shard.more);
@@ -257,6 +267,17 @@ impl Map for Infer<'_> {
         drop(asked);
         drop((shard, memory));
         out.send(Inferred { rows: ShardRows { shard: number, rows }, more })
+    }
+}
+
+/// Adds what the light's doubt makes of kd and ks, which are measured by it.
+fn widen(deviation: &mut [f32; Material::LEN], material: &[f32; Material::LEN], doubt: Vec3) {
+    for (at, (deviation, value)) in deviation.iter_mut().zip(material).take(6).enumerate() {
+        let doubt = doubt[at % 3] * value;
+        // Without a doubt not a bit of it changes.
+        if doubt > 0.0 {
+            *deviation = deviation.hypot(doubt);
+        }
     }
 }
 

@@ -1,15 +1,12 @@
-//! A light over a scene, and how much of it reaches each triangle.
+//! Section `[light]`: where the light that the photographs were taken in is known from.
 
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 
-use crate::base::ids::TriangleId;
+use super::scene_light::{Doubts, SunAndSky};
 use crate::config::{Choice, Effect, Key, Keys, Problem, Section, Settings, Value};
 use crate::light::ephemeris::{elevation, in_mesh, sun_over};
-use crate::scene::Mesh;
-use crate::scene::light::{LocalLight, Sun};
+use crate::scene::light::Sun;
 use crate::scene::moment::Moment;
-use crate::trace::visibility::SKY_RAYS;
-use crate::trace::{Bvh, Shares};
 
 /// Section `[light]`.
 #[derive(Debug, Clone, PartialEq)]
@@ -211,47 +208,7 @@ impl Config {
     pub fn known(&self) -> Option<SunAndSky> {
         let vector = |v: [f64; 3]| DVec3::from(v).as_vec3();
         let sun = Sun { direction: vector(self.sun).normalize_or_zero(), color: vector(self.color) };
-        (self.mode == Mode::Known).then(|| SunAndSky { sun, sky: vector(self.sky) })
-    }
-}
-
-/// A sun, and a sky that is the same all over.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SunAndSky {
-    /// The sun.
-    pub sun: Sun,
-    /// The sky's radiance.
-    pub sky: Vec3,
-}
-
-/// A light over a scene.
-pub(crate) struct SceneLight<'a> {
-    mesh: &'a Mesh,
-    bvh: &'a Bvh,
-    light: SunAndSky,
-    up: Vec3,
-    shares: Shares,
-}
-
-impl<'a> SceneLight<'a> {
-    /// A light over a mesh. The sky is the hemisphere about `up`.
-    pub(crate) fn new(light: SunAndSky, mesh: &'a Mesh, bvh: &'a Bvh, up: [f64; 3]) -> Self {
-        let up = DVec3::from(up).as_vec3().normalize_or_zero();
-        let rays = if light.sky == Vec3::ZERO { 0 } else { SKY_RAYS };
-        SceneLight { mesh, bvh, light, up, shares: Shares::new(mesh, rays) }
-    }
-
-    /// The light that reaches a triangle; zero for a triangle without area.
-    pub(crate) fn local(&self, t: TriangleId) -> LocalLight {
-        let Some(frame) = self.mesh.lobe_frame(t) else {
-            return LocalLight { direction: Vec3::Z, sun: Vec3::ZERO, sky: Vec3::ZERO };
-        };
-        let SunAndSky { sun, sky } = self.light;
-        LocalLight {
-            direction: frame.to_local(sun.direction),
-            sun: sun.color * self.shares.sun(self.mesh, self.bvh, sun.direction, t),
-            sky: sky * self.shares.sky(self.mesh, self.bvh, self.up, t),
-        }
+        (self.mode == Mode::Known).then(|| SunAndSky { sun, sky: vector(self.sky), doubts: Doubts::default() })
     }
 }
 
@@ -316,21 +273,5 @@ mod tests {
         assert!(north(None, [0.0, -1.0, 0.0]).is_err_and(|rule| rule.contains("[0.00, -1.00, 0.00]")));
         assert_eq!(north(Some([1.0, 0.0, 0.0]), [0.0, -1.0, 0.0]), Ok(DVec3::X));
         assert!(north(Some([0.0, 3.0, 0.0]), [0.0, -1.0, 0.0]).is_err_and(|rule| rule.contains("up or down")));
-    }
-
-    #[test]
-    fn a_roof_shades_what_lies_under_it() {
-        // A floor, a roof over it that the sun overhead does not pass, and a floor beside them.
-        let corner = |z: f64, half: f64| [[-half, -half, z], [half, -half, z], [-half, half, z]].map(DVec3::from);
-        let (floor, roof) = (corner(0.0, 1.0), corner(1.0, 1.5));
-        let beside = floor.map(|p| p + DVec3::X * 9.0);
-        let mesh = Mesh::new(&[floor, roof, beside].concat(), vec![[0, 1, 2], [3, 4, 5], [6, 7, 8]]).unwrap();
-        let bvh = Bvh::build(&mesh);
-        let config = Config { mode: Mode::Known, sun: [0.0, 0.0, 3.0], color: [1.0; 3], sky: [0.5; 3], ..defaults() };
-        let light = SceneLight::new(config.known().unwrap(), &mesh, &bvh, [0.0, 0.0, 1.0]);
-        let [under, roof, open] = [0, 1, 2].map(|t| light.local(TriangleId(t)));
-        assert_eq!((under.sun, roof.sun, open.sun), (Vec3::ZERO, Vec3::ONE, Vec3::ONE));
-        assert!(under.sky.x < 0.4 && roof.sky.x == 0.5 && open.sky.x > 0.45, "{under:?} {open:?}");
-        assert!((open.direction - Vec3::Z).length() < 1e-6);
     }
 }

@@ -43,7 +43,7 @@ impl Section for Config {
 }
 
 /// The version of the tables; an ingredient of their recipe.
-pub(crate) const VERSION: u32 = 2;
+pub(crate) const VERSION: u32 = 3;
 /// The table of materials, [F,7].
 pub(crate) const MATERIALS: &str = "materials.npy";
 /// The table of the evidence behind them, [F,17].
@@ -104,7 +104,12 @@ struct All<'a> {
 impl All<'_> {
     /// Tells of every triangle in order. A triangle without a row in any shard has neither material nor evidence.
     fn each(&self, mut tell: impl FnMut(TriangleId, [f32; Material::LEN], Evidence) -> Result<()>) -> Result<()> {
-        let nothing = Evidence { filled: Filled::Nothing, deviation: [f32::NAN; Material::LEN], ..Evidence::default() };
+        let nothing = Evidence {
+            filled: Filled::Nothing,
+            deviation: [f32::NAN; Material::LEN],
+            lit: f32::NAN,
+            ..Evidence::default()
+        };
         let mut next = 0;
         for shard in self.shards {
             for Row { triangle, material, evidence } in shard.read(self.store)?.rows {

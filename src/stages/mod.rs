@@ -10,10 +10,11 @@
 //! infer    [infer]    reflectance maps become materials
 //! ```
 //!
-//! Three files are no stages: they work on the whole mesh, between flows or after them.
+//! Four files are no stages: they work on the whole mesh, between flows or after them.
 //!
 //! ```text
-//! light    [light]    the light that reaches a triangle, for `infer`
+//! light    [light]    what is known of the light
+//! scene_light         the light that reaches a triangle, for `infer`
 //! merge    [merge]    the rows of all shards become the two tables; `fill` completes them
 //! export   [export]   the tables become files for other programs
 //! ```
@@ -29,6 +30,7 @@ pub(crate) mod infer;
 pub(crate) mod light;
 pub(crate) mod look;
 pub(crate) mod merge;
+pub(crate) mod scene_light;
 pub(crate) mod shards;
 
 use crate::base::Result;

@@ -27,7 +27,7 @@ fn run(dir: &TempDir, work: &str, sets: &str) -> Ran {
 fn errors(dir: &Path, work: &str) -> [f64; 3] {
     let rows = |name: &str| npy::read_rows::<7>(&dir.join(name)).unwrap();
     let (truth, found) = (rows("truth/materials.npy"), rows(&format!("{work}/materials.npy")));
-    let evidence = npy::read_rows::<17>(&dir.join(work).join("evidence.npy")).unwrap();
+    let evidence = npy::read_rows::<18>(&dir.join(work).join("evidence.npy")).unwrap();
     let (mut sums, mut count) = ([0.0; 3], 0.0);
     for ((truth, found), evidence) in truth.iter().zip(&found).zip(&evidence).filter(|(_, e)| e[9] == 0.0) {
         for c in 0..3 {

@@ -29,7 +29,7 @@ use crate::scene::light::Sun;
 use crate::scene::view::{Tile, View};
 use crate::stages::cast::{Cast, tile_bytes};
 use crate::stages::decode::Decode;
-use crate::stages::light::{SceneLight, SunAndSky};
+use crate::stages::scene_light::{Doubts, SceneLight, SunAndSky};
 use crate::trace::Bvh;
 use crate::trace::hierarchy::{CHUNK, Chunks};
 
@@ -184,12 +184,13 @@ fn cast(
 fn light(pipeline: &Pipeline, mesh: &Mesh, bvh: &Bvh) -> Cost {
     // One sun takes as long as another, and where it stands need not be known yet.
     let up = pipeline.scene.zenith();
-    let light = SunAndSky { sun: Sun { direction: up, color: Vec3::ONE }, sky: Vec3::ONE };
+    let sun = Sun { direction: up, color: Vec3::ONE };
+    let light = SunAndSky { sun, sky: Vec3::ONE, doubts: Doubts::default() };
     let light = SceneLight::new(pipeline.light.known().unwrap_or(light), mesh, bvh, pipeline.scene.up);
     let some = LIT.min(mesh.len());
     let started = Instant::now();
     (0..some).for_each(|i| {
-        black_box(light.local(TriangleId::at(i * mesh.len() / some)));
+        black_box(light.reaching(TriangleId::at(i * mesh.len() / some)));
     });
     Cost { lighting: started.elapsed().as_secs_f64(), lit: some as f64, ..Cost::default() }
 }

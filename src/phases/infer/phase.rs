@@ -22,7 +22,7 @@ use crate::scene::Material;
 use crate::scene::evidence::Evidence;
 use crate::shard::{collect_least, collect_need};
 use crate::stages::infer;
-use crate::stages::light::SceneLight;
+use crate::stages::scene_light::SceneLight;
 use crate::stages::shards::{Collected, Keep, RowsFile, Shard};
 
 /// The phase; a unit is a shard.

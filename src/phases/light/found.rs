@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use crate::base::key::Key;
 use crate::light::{Decision, Found};
 use crate::scene::light::Sun;
-use crate::stages::light::SunAndSky;
+use crate::stages::scene_light::{Doubts, SunAndSky};
 
 /// The gain of a frame.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -109,7 +109,10 @@ fn words(found: &Found) -> String {
             )
         }
         Decision::NoSun => {
-            format!("{seen} fit no sun much better than another ({turned:.2}): the sky was overcast, most likely")
+            format!(
+                "{seen} fit no sun much better than another ({turned:.2}): the sky was overcast, most likely, and its light is \
+                 taken for all there is"
+            )
         }
         Decision::TooLittle => format!("{seen} are too few to tell the light from"),
     }
@@ -151,11 +154,16 @@ impl FoundLight {
         self.sun.is_some() && matches!(self.decided, Decided::Sun | Decided::Doubtful)
     }
 
-    /// Sun and sky, where there is a sun.
+    /// Sun and sky, or the sky alone where no sun shone; none where too little was seen.
     pub(crate) fn sun_and_sky(&self) -> Option<SunAndSky> {
-        let direction = self.sun.filter(|_| self.has_sun()).map(|sun| DVec3::from(sun).as_vec3())?;
-        let sun = Sun { direction: direction.normalize_or_zero(), color: Vec3::from(self.color) };
-        Some(SunAndSky { sun, sky: Vec3::from(self.sky) })
+        let direction = self.sun.filter(|_| self.has_sun()).map(|sun| DVec3::from(sun).as_vec3());
+        let sun = match (direction, self.decided) {
+            (Some(direction), _) => Sun { direction: direction.normalize_or_zero(), color: Vec3::from(self.color) },
+            (None, Decided::NoSun) => Sun { direction: Vec3::Z, color: Vec3::ZERO },
+            (None, _) => return None,
+        };
+        let doubts = Doubts { sun: self.sun_degrees.to_radians(), ratio: Vec3::from(self.ratio) };
+        Some(SunAndSky { sun, sky: Vec3::from(self.sky), doubts })
     }
 
     /// What a light that is found now says against this one, if it lies beyond the spread of both.
@@ -216,11 +224,14 @@ mod tests {
     }
 
     #[test]
-    fn a_doubtful_sun_is_reckoned_with_and_one_that_is_none_is_not() {
+    fn a_doubtful_sun_is_reckoned_with_and_where_there_is_none_the_sky_is() {
         let decided = |decided| FoundLight { decided, ..light(Some([0.0, 0.0, 2.0]), 1.0) }.sun_and_sky();
         assert_eq!(decided(Decided::Sun).map(|light| light.sun.direction), Some(Vec3::Z));
         assert_eq!(decided(Decided::Doubtful), decided(Decided::Sun));
-        assert_eq!((decided(Decided::NoSun), decided(Decided::TooLittle)), (None, None));
-        assert_eq!(light(None, 1.0).sun_and_sky(), None);
+        assert_eq!(decided(Decided::NoSun).map(|light| light.sun.color), Some(Vec3::ZERO));
+        assert_eq!(decided(Decided::TooLittle), None);
+        let overcast = light(None, 1.0).sun_and_sky();
+        assert_eq!(overcast.map(|light| (light.sun.color, light.sky)), Some((Vec3::ZERO, Vec3::splat(0.2))));
+        assert_eq!(FoundLight { decided: Decided::TooLittle, ..light(None, 1.0) }.sun_and_sky(), None);
     }
 }

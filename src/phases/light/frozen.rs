@@ -211,8 +211,8 @@ impl FrozenLight {
 
     /// The key of the light, in the recipes of what it lights.
     pub(crate) fn light_key(&self) -> Option<Key> {
-        let FoundLight { sun, color, sky, .. } = self.state.light.as_ref()?;
-        Some(Key::of_bytes(format!("{sun:?} {color:?} {sky:?}").as_bytes()))
+        let FoundLight { sun, color, sky, sun_degrees, ratio, .. } = self.state.light.as_ref()?;
+        Some(Key::of_bytes(format!("{sun:?} {color:?} {sky:?} {sun_degrees:?} {ratio:?}").as_bytes()))
     }
 
     /// Freezes the triangles that are looked at, unless they are.

@@ -15,6 +15,7 @@ use crate::disk::{MemStore, Store};
 use crate::phases::Report;
 use crate::phases::light::LIGHT;
 use crate::pipeline::load;
+use crate::scene::evidence::{Evidence, Filled};
 use crate::stages::merge::Materials;
 use crate::synth::city::{self, CityConfig};
 
@@ -135,8 +136,8 @@ fn frames_that_are_exposed_otherwise_cast_the_same() {
 }
 
 #[test]
-fn where_no_light_is_found_the_network_answers_and_it_is_said() {
-    let (dir, store, other) = (scene(), MemStore::new(), MemStore::new());
+fn where_no_sun_is_found_the_sky_is_the_light() {
+    let (dir, store) = (scene(), MemStore::new());
     // A scene of one colour gives nothing away.
     for image in fs::read_dir(dir.path().join("images")).unwrap() {
         write_jpeg(&image.unwrap().path(), &vec![[120; 3]; 320 * 240], 320, 240, 95).unwrap();
@@ -144,9 +145,28 @@ fn where_no_light_is_found_the_network_answers_and_it_is_said() {
     let (report, _, _) = run(&dir, &store, &["decode.exposure=as_is"]);
     let light = report.light.unwrap();
     assert!(light.sun.is_none() && light.words.contains("triangles"), "{light:?}");
-    run(&dir, &other, &["decode.exposure=as_is", "light.mode=unknown"]);
+    assert!(light.words.contains("overcast") && report.backend.contains("fit"), "{light:?} {}", report.backend);
+    let Materials { rows, evidence } = Materials::open(&store).unwrap();
+    let evidence: Vec<Evidence> = evidence.iter().map(|row| Evidence::from_array(*row)).collect();
+    assert!(evidence.iter().all(|evidence| evidence.lit.is_nan()));
+    // Where less of the sky is seen, the same radiance comes of a brighter surface.
+    let kd = rows.iter().zip(&evidence).filter(|(_, e)| e.filled == Filled::Observed).map(|(row, _)| row[0]);
+    let (low, high) = kd.fold((1f32, 0f32), |(low, high), kd| (low.min(kd), high.max(kd)));
+    assert!(high > 1.3 * low, "{low} {high}");
+}
+
+#[test]
+fn where_too_little_is_seen_the_network_answers_and_it_is_said() {
+    let (dir, store, other) = (scene(), MemStore::new(), MemStore::new());
+    for image in fs::read_dir(dir.path().join("images")).unwrap().skip(1) {
+        fs::remove_file(image.unwrap().path()).unwrap();
+    }
+    let (report, _, _) = run(&dir, &store, &[]);
+    let light = report.light.unwrap();
+    assert!(light.sun.is_none() && light.words.contains("too few"), "{light:?}");
+    run(&dir, &other, &["light.mode=unknown"]);
     assert!(outputs(&store) == outputs(&other));
     let pipeline = load(&dir.path().join("p.toml"), &["infer.estimator=fit".into()]).unwrap();
     let why = run_here(Arc::new(MemStore::new()), &pipeline).unwrap_err().to_string();
-    assert!(why.contains("no sun was found") && why.contains("estimator = \"auto\""), "{why}");
+    assert!(why.contains("no light was found") && why.contains("estimator = \"auto\""), "{why}");
 }
