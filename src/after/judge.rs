@@ -7,6 +7,7 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::finished::Finished;
+use super::held_out::{HeldOut, held_out};
 use super::picture::{Light, as_decoded, lighting};
 use crate::base::ids::TriangleId;
 use crate::base::{Array, Error, Result};
@@ -42,17 +43,54 @@ pub(crate) struct Judged {
     pub suns: [f64; SUNS.len()],
 }
 
-/// Judges the materials of a finished run, and trivial estimates beside it, in this many frames, spread over the flight.
-///
-/// # Errors
-/// No finished run; a truth that cannot be read or has other triangles; no triangle that was seen.
-pub(crate) fn judge(pipeline: &Pipeline, truth: &Path, frames: usize) -> Result<Vec<Judged>> {
-    let finished = Finished::open(pipeline)?;
-    let truth: Vec<Material> = npy::read_rows(truth)?.into_iter().map(Material::from).collect();
-    pool::share(pipeline.run.threads(), || judged(pipeline, &finished, &truth, frames))?
+/// What a finished run is judged by.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Judge<'a> {
+    /// The truth, where it is known: `.npy` [F,7].
+    pub truth: Option<&'a Path>,
+    /// Another estimate to judge beside the run's: `.npy` [F,7].
+    pub beside: Option<&'a Path>,
+    /// The number of frames to render with the truth, spread over the flight.
+    pub frames: usize,
 }
 
-fn judged(pipeline: &Pipeline, finished: &Finished, truth: &[Material], frames: usize) -> Result<Vec<Judged>> {
+/// Judges the materials of a finished run, and others beside it, by the truth and by the photographs that were left out.
+///
+/// # Errors
+/// No finished run; neither a truth nor photographs that were left out; tables that cannot be read or have other triangles; no
+/// triangle that was seen.
+pub(crate) fn judge(pipeline: &Pipeline, judge: Judge<'_>) -> Result<(Vec<Judged>, Option<HeldOut>)> {
+    let finished = Finished::open(pipeline)?;
+    let read = |file: &Path| -> Result<Vec<Material>> {
+        let rows: Vec<Material> = npy::read_rows(file)?.into_iter().map(Material::from).collect();
+        let (found, triangles) = (rows.len(), finished.scene.mesh.len());
+        if found != triangles {
+            let words = format!("{}: {found} materials, for a mesh of {triangles} triangles", file.display());
+            return Err(Error::invalid(words));
+        }
+        Ok(rows)
+    };
+    let (truth, beside) = (judge.truth.map(read).transpose()?, judge.beside.map(read).transpose()?);
+    if truth.is_none() && finished.scene.held_out.is_empty() {
+        return Err(Error::invalid(
+            "there is nothing to judge by: give a --truth, or leave photographs out with [run] holdout = \"every 4th\" and run \
+             again",
+        ));
+    }
+    pool::share(pipeline.run.threads(), || {
+        let truth =
+            truth.map(|truth| judged(pipeline, &finished, &truth, beside.as_deref(), judge.frames)).transpose()?;
+        Ok((truth.unwrap_or_default(), held_out(pipeline, &finished, beside.as_deref())?))
+    })?
+}
+
+fn judged(
+    pipeline: &Pipeline,
+    finished: &Finished,
+    truth: &[Material],
+    beside: Option<&[Material]>,
+    frames: usize,
+) -> Result<Vec<Judged>> {
     let Finished { scene, materials, .. } = finished;
     let evidence: Vec<Evidence> = materials.evidence.iter().map(|row| Evidence::from_array(*row)).collect();
     let seen: Vec<bool> = evidence.iter().map(|e| e.filled == Filled::Observed).collect();
@@ -69,6 +107,7 @@ fn judged(pipeline: &Pipeline, finished: &Finished, truth: &[Material], frames: 
         let light = SceneLight::new(light, mesh, &bvh, pipeline.scene.up);
         estimates.push(("Lambertian in the known light", lambertian(&light, &mean)));
     }
+    estimates.extend(beside.map(|beside| ("beside", beside.to_vec())));
     let errors: Vec<MaterialErrors> =
         estimates.iter().map(|(_, estimate)| compare(truth, estimate, &seen)).collect::<Result<_>>()?;
 

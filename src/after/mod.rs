@@ -3,6 +3,7 @@
 
 mod exports;
 mod finished;
+mod held_out;
 mod inspect;
 mod judge;
 mod pairs;
@@ -10,9 +11,10 @@ mod picture;
 mod results;
 
 pub(crate) use exports::export;
+pub(crate) use held_out::HeldOut;
 pub use inspect::read_maps;
 pub(crate) use inspect::{buffers, maps};
-pub(crate) use judge::{Judged, SUNS, judge};
+pub(crate) use judge::{Judge, Judged, SUNS, judge};
 pub(crate) use pairs::{ColorSpace, Compared, Pair, Unpaired, compare};
 pub(crate) use picture::{Light, render};
 pub use results::Results;

@@ -114,6 +114,11 @@ impl<'a> Keys<'a> {
         self.read(key, |node| Ok(parse(&String::from_toml(node)?)?)).unwrap_or_default()
     }
 
+    /// A text that may be missing, parsed further.
+    pub fn optional_parsed<T>(&self, key: &'static str, parse: impl Fn(&str) -> Result<T, String>) -> Option<T> {
+        self.read(key, |node| Ok(parse(&String::from_toml(node)?)?))
+    }
+
     /// A path that must be given; empty where it is not.
     pub fn path(&self, key: &'static str, leads: Leads) -> PathBuf {
         if self.found(key).is_none() && !self.is_no_table {

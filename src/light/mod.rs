@@ -35,5 +35,6 @@ pub use clues::{Clues, Settings, find};
 pub use found::{Decision, Found, Spread};
 pub use gains::{Gains, gains};
 pub use observed::Sighting;
+pub(crate) use observed::luma;
 pub use patches::Scene;
 pub use sample::{TRIANGLES, sample};

@@ -28,6 +28,6 @@ impl Sighting {
 }
 
 /// The luminance of linear sRGB.
-pub(super) fn luma(rgb: [f32; 3]) -> f32 {
+pub(crate) fn luma(rgb: [f32; 3]) -> f32 {
     0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2]
 }

@@ -68,7 +68,7 @@ pub(super) fn doubts(pipeline: &Pipeline, scene: &LoadedScene) -> Vec<String> {
 
 /// Tells of photographs without a pose.
 fn unposed(pipeline: &Pipeline, scene: &LoadedScene) -> Option<String> {
-    let posed: BTreeSet<&str> = scene.frames.iter().map(|frame| frame.name.as_str()).collect();
+    let posed: BTreeSet<&str> = scene.frames.iter().chain(&scene.held_out).map(|frame| frame.name.as_str()).collect();
     let photographs = PhotographFolder::new(&pipeline.scene.images);
     let files = photographs.names().unwrap_or_default();
     let is_mask = |file: &str| pipeline.scene.masks.as_ref() == Some(&pipeline.scene.images) && file.contains("mask");

@@ -33,6 +33,8 @@ pub struct LoadedScene {
     pub mesh_key: Key,
     /// The posed frames, sorted by name.
     pub frames: Vec<Frame>,
+    /// The posed frames that are left out, to judge by.
+    pub held_out: Vec<Frame>,
     /// What was assumed of the names of photographs.
     pub assumed: Option<String>,
     /// What is mapped beside the mesh, if it is.
@@ -85,6 +87,14 @@ fn cached(store: &dyn Store, ledger: &Ledger, mesh: Key) -> Result<Option<Cached
     files.and_then(|files| Some(files.first()?.name.clone())).map(|name| cache::open(store, &name)).transpose()
 }
 
+/// The frames that are used, and those that are left out.
+fn divided(pipeline: &Pipeline, frames: Vec<Frame>) -> (Vec<Frame>, Vec<Frame>) {
+    let Some(every) = pipeline.run.holdout else { return (frames, Vec::new()) };
+    let (held_out, used): (Vec<_>, Vec<_>) = frames.into_iter().enumerate().partition(|(at, _)| every.has(*at));
+    let frames = |numbered: Vec<(usize, Frame)>| numbered.into_iter().map(|(_, frame)| frame).collect();
+    (frames(used), frames(held_out))
+}
+
 impl LoadedScene {
     /// Reads mesh and poses for a run; the mesh from the scene cache if there is one.
     ///
@@ -111,10 +121,12 @@ impl LoadedScene {
             Some(synth) if !pipeline.is_made() => {
                 // The vertices come on top.
                 meshes.check(pipeline.run.memory, u64::from(synth.city.triangles) * size_of::<[u32; 3]>() as u64)?;
+                let (frames, held_out) = divided(pipeline, city::frames(&synth.city));
                 Ok(LoadedScene {
                     mesh: city::mesh(&synth.city)?,
                     mesh_key: KeyBuilder::new("no file").finish(),
-                    frames: city::frames(&synth.city),
+                    frames,
+                    held_out,
                     assumed: None,
                     cached: None,
                 })
@@ -144,7 +156,8 @@ impl LoadedScene {
             return Err(Error::io("read", &scene.poses.path)(std::io::Error::other(again)));
         }
         let assumed = find_photographs(&mut frames, &scene.images, &photographs);
-        Ok(LoadedScene { mesh, mesh_key, frames, assumed, cached })
+        let (frames, held_out) = divided(pipeline, frames);
+        Ok(LoadedScene { mesh, mesh_key, frames, held_out, assumed, cached })
     }
 
     /// Maps mesh, hierarchy and neighbours from the scene cache in place of what is held.

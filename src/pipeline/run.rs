@@ -1,6 +1,8 @@
 //! Section `[run]`: where a run writes, and with how much it runs.
 
+use std::fmt;
 use std::path::PathBuf;
+use std::str::FromStr;
 use std::time::Duration;
 
 use crate::base::units::Bytes;
@@ -21,6 +23,43 @@ pub struct Run {
     pub grace: u64,
     /// Whether all files from before are held against their records.
     pub verify: bool,
+    /// The photographs that are left out, to judge the materials by; `None` if all are used.
+    pub holdout: Option<Every>,
+}
+
+/// Every so many-th of a list, 2 to 1000.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Every(usize);
+
+impl Every {
+    /// Whether the list has the item at this place, counted from 0.
+    pub fn has(self, at: usize) -> bool {
+        at % self.0 == self.0 - 1
+    }
+}
+
+impl fmt::Display for Every {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let ending = match (self.0 % 10, self.0 % 100) {
+            (_, 11..=13) => "th",
+            (1, _) => "st",
+            (2, _) => "nd",
+            (3, _) => "rd",
+            _ => "th",
+        };
+        write!(f, "every {}{ending}", self.0)
+    }
+}
+
+impl FromStr for Every {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let count = text.strip_prefix("every ").map(|rest| rest.trim_end_matches(char::is_alphabetic).parse());
+        let every = count.and_then(Result::ok).filter(|n| (2..=1000).contains(n)).map(Every);
+        let good = every.filter(|every| every.to_string() == text);
+        good.ok_or_else(|| "must be as \"every 4th\", from \"every 2nd\" to \"every 1000th\"".to_owned())
+    }
 }
 
 /// The most threads that can be asked for.
@@ -74,6 +113,12 @@ impl Section for Run {
                   what is rotten. Tables and exports are held against theirs by every run, the rest when it is read.",
             value: Value::Default("false"),
         },
+        Key {
+            name: "holdout",
+            doc: "Photographs that are left out, so that `gonio eval scene` can judge the materials by them: every so many-th, \
+                  sorted by name.",
+            value: Value::Optional("\"every 4th\""),
+        },
     ];
 
     fn read(keys: &Keys<'_>) -> Self {
@@ -90,16 +135,36 @@ impl Section for Run {
             threads: keys.within("threads", 0..=THREADS),
             grace: keys.within("grace", 0..=GRACE),
             verify: keys.value("verify"),
+            holdout: keys.optional_parsed("holdout", str::parse),
         }
     }
 
     fn settings(&self) -> Settings {
-        let Run { work, memory, threads, grace, verify } = self;
+        let Run { work, memory, threads, grace, verify, holdout } = self;
         Settings::of(Self::NAME)
             .with("work", work, Effect::Nothing)
             .with("memory", memory.to_string(), Effect::Nothing)
             .with("threads", threads, Effect::Nothing)
             .with("grace", grace, Effect::Nothing)
             .with("verify", verify, Effect::Nothing)
+            .optional("holdout", holdout.map(|every| every.to_string()), Effect::Input)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_so_many_th_is_read_as_it_is_written() {
+        for text in ["every 2nd", "every 3rd", "every 4th", "every 11th", "every 21st", "every 112th", "every 1000th"] {
+            assert_eq!(text.parse::<Every>().map(|every| every.to_string()), Ok(text.to_owned()));
+        }
+        for text in ["", "every", "every 4", "4th", "every 1st", "every 0th", "every 2th", "every 1001st", "every -2nd"]
+        {
+            assert!(text.parse::<Every>().is_err_and(|why| why.contains("every 4th")), "{text}");
+        }
+        let held: Vec<usize> = (0..9).filter(|at| Every(4).has(*at)).collect();
+        assert_eq!(held, [3, 7]);
     }
 }

@@ -1,5 +1,6 @@
 //! Whole runs in a known light.
 
+use std::fs;
 use std::path::Path;
 
 use gonio::internals::codec::tables::npy;
@@ -70,6 +71,36 @@ fn a_known_light_gives_the_colours_back() {
     let other = run(&dir, "fit", &format!("{LIGHT} light.color=[0.9,1,1]"));
     other.says("10 (0 cast, 10 from before").says("2 (2 inferred, 0 from before)");
     assert!(outputs(&dir.path().join("fit")) != outputs(&dir.path().join("again")));
+}
+
+#[test]
+fn photographs_that_are_left_out_judge_the_materials() {
+    let dir = city();
+    run(&dir, "all", LIGHT);
+    let eval = |work: &str, more: &str| {
+        Ran::gonio(dir.path(), &format!("eval scene p.toml --json --set run.work={work}{}{more}", sets(LIGHT)))
+    };
+    eval("all", "").ends(1).says("nothing to judge by").says("holdout = \"every 4th\"");
+    let held_out =
+        fs::read_to_string(dir.path().join("p.toml")).unwrap().replace("[run]\n", "[run]\nholdout = \"every 4th\"\n");
+    fs::write(dir.path().join("p.toml"), held_out).unwrap();
+    run(&dir, "some", LIGHT).says("8 (8 cast, 0 from before");
+    let ran = eval("some", " --beside all/materials.npy");
+    let told: serde_json::Value = serde_json::from_str(&ran.ends(0).stdout()).unwrap();
+    let told = &told["held_out"];
+    let psnr = |name: &str| told["estimates"][name]["psnr"].as_f64().unwrap();
+    assert_eq!((told["frames"].as_u64(), told["psnr"].as_f64()), (Some(2), Some(psnr("estimate"))));
+    assert!((0.5..=1.0).contains(&told["ssim"].as_f64().unwrap()), "{told}");
+    // A photograph is foretold better than by colours that stay as they are, and less well than by what saw it.
+    let (estimate, mean, beside) = (psnr("estimate"), psnr("mean radiance"), psnr("beside"));
+    assert!(estimate > mean + 3.0 && beside > estimate, "{told}");
+    // The truth is judged by beside it.
+    let ran = eval("some", " --truth truth/materials.npy --frames 1");
+    let judged: serde_json::Value = serde_json::from_str(&ran.ends(0).stdout()).unwrap();
+    assert_eq!(judged[0]["held_out"]["psnr"], told["psnr"]);
+    Ran::gonio(dir.path(), "check p.toml --set run.holdout=every4")
+        .ends(2)
+        .says("run.holdout: must be as \"every 4th\"");
 }
 
 #[test]

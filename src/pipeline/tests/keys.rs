@@ -10,7 +10,7 @@ use crate::config::{Effect, Setting, Value, raw};
 use crate::pipeline::sections::{NEVER_CHANGE_A_RESULT, SECTIONS};
 
 /// Another value for every key.
-const OTHERS: [(&str, &str); 44] = [
+const OTHERS: [(&str, &str); 45] = [
     ("synth.into", "there"),
     ("synth.city.seed", "36"),
     ("synth.city.triangles", "6000"),
@@ -55,6 +55,7 @@ const OTHERS: [(&str, &str); 44] = [
     ("run.threads", "3"),
     ("run.grace", "5"),
     ("run.verify", "true"),
+    ("run.holdout", "\"every 4th\""),
 ];
 
 /// What else must be set for a key to be set.

@@ -134,7 +134,7 @@ fn what_is_no_table_of_sections_is_told() {
     insta::assert_snapshot!(problems("scene = 3\nrun = []", &[]), @r#"
     p.toml: scene.poses.path: is needed; add `path = "PATH"`
     p.toml:1:9: scene: must be a table of keys; got 3; its keys are mesh, images, masks, up, poses
-    p.toml:2:7: run: must be a table of keys; got a list of 0; its keys are work, memory, threads, grace, verify
+    p.toml:2:7: run: must be a table of keys; got a list of 0; its keys are work, memory, threads, grace, verify, holdout
     "#);
     insta::assert_snapshot!(problems("[scene\nmesh = a\n[run]\n[run]\n", &[]), @r#"
     p.toml:1:7: is no TOML: unclosed table, expected `]`
