@@ -28,7 +28,7 @@ use crate::trace::visibility::SKY_RAYS;
 pub(crate) struct HeldOut {
     /// The photographs that were compared.
     pub frames: usize,
-    /// Those that could not be read, and why.
+    /// The photographs that could not be read, each with the reason.
     pub unread: Vec<(String, String)>,
     /// The estimates by name, the run's own first, and their errors.
     pub estimates: Vec<(&'static str, PictureErrors)>,
