@@ -49,7 +49,8 @@ pub(super) fn held_out(
     let (mesh, bvh) = (&scene.mesh, scene.bvh());
     let up = DVec3::from(pipeline.scene.up).normalize().as_vec3();
     let visibility = sky_visibility(mesh, &bvh, up, SKY_RAYS, 0..mesh.len()).into();
-    let lit = Lighting { up, visibility, background: Vec3::NAN, ..Lighting::new(light.sun, light.sky) };
+    let lit =
+        Lighting { up, visibility, bounce: light.bounce, background: Vec3::NAN, ..Lighting::new(light.sun, light.sky) };
     let bare = Lighting { background: Vec3::NAN, ..picture::lighting(picture::Light::None, up.as_dvec3())? };
     let mean =
         |row: &[f32; Evidence::LEN]| Material { kd: Evidence::from_array(*row).mean_radiance, ks: [0.0; 3], r: 1.0 };

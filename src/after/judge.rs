@@ -146,7 +146,8 @@ fn lights(pipeline: &Pipeline, known: Option<SunAndSky>, visibility: Array<f32>)
         let light = Light::Sun { elevation_deg, azimuth_deg, sky: SKY };
         lighting(light, DVec3::from(pipeline.scene.up)).map(|lighting| lighting.sun)
     });
-    known.map(|light| Ok(light.sun)).into_iter().chain(others).map(|sun| sun.map(under)).collect()
+    let bounced = |light: SunAndSky| Ok(Lighting { bounce: light.bounce, ..under(light.sun) });
+    known.map(bounced).into_iter().chain(others.map(|sun| sun.map(under))).collect()
 }
 
 fn up(pipeline: &Pipeline) -> Vec3 {

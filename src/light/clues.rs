@@ -65,7 +65,11 @@ impl<'a> Clues<'a> {
             return self.nothing(settings);
         }
         let mut comparison = self.comparison(settings);
-        let (mut found, dome) = search(&mut comparison, &self.pairs);
+        let (mut found, mut dome) = search(&mut comparison, &self.pairs);
+        if let Some(bounced) = self.bounced(&comparison, &found, settings) {
+            comparison = bounced;
+            (found, dome) = search(&mut comparison, &self.pairs);
+        }
         let rises = rises(&comparison, &self.pairs, &found);
         let decided = rises.decide(elevation(found.sun, self.patches.up));
         found.ratio = self.ratio(&mut comparison, &found, settings);
@@ -73,10 +77,10 @@ impl<'a> Clues<'a> {
         let told = Found { turned: to_f32(rises.turned.by), dome, spread, decided, ..self.nothing(settings) };
         let told = Found { turned_sure: to_f32(rises.turned.sure), soft_sure: to_f32(rises.soft.sure), ..told };
         if decided == Decision::NoSun {
-            let white = settings.white.map_or_else(|| scale::overcast(&comparison), to_f32);
+            let white = settings.white.map_or_else(|| scale::overcast(&self.comparison(settings)), to_f32);
             return Found { white, sky: [white; 3], ..told };
         }
-        self.lit(&found, comparison.white, told)
+        self.lit(&found, &comparison, told)
     }
 
     /// The light where the sun's direction is known: its ratio to the sky, and the scale. The sun is believed; what was seen
@@ -87,9 +91,11 @@ impl<'a> Clues<'a> {
         }
         let mut comparison = self.comparison(settings);
         let lit = self.patches.sun(sun, POINTS);
-        let (cost, ratio) = best(&comparison, &lit, &self.pairs);
-        comparison.fit_scales(&lit, ratio, &self.pairs);
-        let mut found = Candidate { sun, ratio, cost };
+        let mut found = self.candidate(&mut comparison, sun, &lit);
+        if let Some(bounced) = self.bounced(&comparison, &found, settings) {
+            comparison = bounced;
+            found = self.candidate(&mut comparison, sun, &lit);
+        }
         let rises = rises(&comparison, &self.pairs, &found);
         found.ratio = self.ratio(&mut comparison, &found, settings);
         let spread = spread(&comparison, &self.pairs, &mut Candidate { ..found });
@@ -99,7 +105,7 @@ impl<'a> Clues<'a> {
         };
         let told = Found { turned: to_f32(rises.turned.by), spread, decided, ..self.nothing(settings) };
         let told = Found { turned_sure: to_f32(rises.turned.sure), soft_sure: to_f32(rises.soft.sure), ..told };
-        self.lit(&found, comparison.white, told)
+        self.lit(&found, &comparison, told)
     }
 
     /// The cost of each of some suns, by scales that they share; the lowest is the likeliest.
@@ -114,14 +120,38 @@ impl<'a> Clues<'a> {
     }
 
     fn comparison(&self, settings: &Settings) -> Comparison<'_> {
-        let white = settings.white.map_or(1.0, to_f32);
-        Comparison { white, ..Comparison::new(&self.patches) }
+        let mut comparison = Comparison::new(&self.patches);
+        comparison.white = settings.white.map_or(1.0, to_f32);
+        comparison
+    }
+
+    /// A sun with its best ratio; the scales become the likeliest under it.
+    fn candidate(&self, comparison: &mut Comparison<'_>, sun: Vec3, lit: &[f32]) -> Candidate {
+        let (cost, ratio) = best(comparison, lit, &self.pairs);
+        comparison.fit_scales(lit, ratio, &self.pairs);
+        Candidate { sun, ratio, cost }
+    }
+
+    /// The comparison with the light that surfaces send each other, where that explains better what was seen. They are as
+    /// bright as the photographs show them. Photographs of the world have that light, and most rendered ones have not.
+    fn bounced(&self, plain: &Comparison<'a>, found: &Candidate, settings: &Settings) -> Option<Comparison<'_>> {
+        let all = &self.patches.all;
+        let area: f32 = all.iter().map(|patch| patch.area).sum();
+        let mean = |c: usize| all.iter().map(|patch| patch.area * patch.radiance[c]).sum::<f32>() / area;
+        let lit = self.patches.sun(found.sun, POINTS);
+        let cost = |mut comparison: Comparison<'_>| {
+            let ratio = self.ratio(&mut comparison, found, settings);
+            comparison.fit_scales(&lit, ratio, &self.pairs)
+        };
+        let bounced = Comparison::of(&self.patches, plain).with_bounce([mean(0), mean(1), mean(2)]);
+        (cost(bounced.clone()) < cost(plain.clone())).then_some(bounced)
     }
 
     /// The light of a sun.
-    fn lit(&self, found: &Candidate, white: f32, told: Found) -> Found {
+    fn lit(&self, found: &Candidate, Comparison { white, bounce, .. }: &Comparison<'_>, told: Found) -> Found {
         let sun = Some(found.sun.as_dvec3().normalize().to_array());
-        Found { sun, color: [white; 3], sky: found.ratio.map(|ratio| ratio * white), white, ..told }
+        let sky = found.ratio.map(|ratio| ratio * white);
+        Found { sun, color: [*white; 3], sky, bounce: *bounce, white: *white, ..told }
     }
 
     /// The ratio from patches that are wholly lit or wholly shaded and see the sky, and with it the scale.
@@ -152,6 +182,7 @@ impl<'a> Clues<'a> {
             sun: None,
             color: [0.0; 3],
             sky: [white; 3],
+            bounce: [0.0; 3],
             spread: Spread { sun_degrees: 180.0, ratio: [UNKNOWN; 3], scale: scale::SPREAD },
             turned: 0.0,
             turned_sure: 0.0,

@@ -9,7 +9,7 @@ use super::likeness::Scales;
 use super::pairs::Pair;
 use super::patches::{Patch, Patches};
 
-/// The share of the light from below the horizon, relative to the sky's: a tenth, from the ground.
+/// The light that other surfaces send, relative to the sky's, where it is not known: a tenth, from the ground.
 const GROUND: f32 = 0.1;
 
 /// The least ambient light of a patch.
@@ -36,8 +36,10 @@ pub(super) struct Comparison<'a> {
     pub scales: Scales,
     /// The radiance of a white surface that faces the sun.
     pub white: f32,
+    /// The radiance of other surfaces, which a patch sees where it sees no sky; 0 where it is left out.
+    pub bounce: [f32; 3],
     /// The share of the sky's light that reaches each patch.
-    pub ambient: Vec<f32>,
+    ambient: Vec<f32>,
 }
 
 impl<'a> Comparison<'a> {
@@ -45,24 +47,35 @@ impl<'a> Comparison<'a> {
     pub(super) fn new(patches: &'a Patches<'a>) -> Self {
         let ambient = |patch: &Patch| (patch.sky + GROUND * (1.0 - patch.sky)).max(LEAST);
         let ambient = patches.all.iter().map(ambient).collect();
-        Comparison { patches, scales: Scales::FIRST, white: 1.0, ambient }
+        Comparison { patches, scales: Scales::FIRST, white: 1.0, bounce: [0.0; 3], ambient }
+    }
+
+    /// The same, with the light that surfaces of this radiance send each other.
+    pub(super) fn with_bounce(&self, bounce: [f32; 3]) -> Self {
+        let ambient = self.patches.all.iter().map(|patch| patch.sky.max(LEAST)).collect();
+        Comparison { bounce, ambient, ..self.clone() }
     }
 
     /// A comparison of some of the patches, otherwise like another.
     pub(super) fn of(patches: &'a Patches<'a>, other: &Comparison<'_>) -> Self {
-        Comparison { scales: other.scales, white: other.white, ..Comparison::new(patches) }
+        let plain = Comparison { scales: other.scales, white: other.white, ..Comparison::new(patches) };
+        if other.bounce == [0.0; 3] { plain } else { plain.with_bounce(other.bounce) }
     }
 
     /// The log albedo of each patch, turned to brightness and two axes of colour, where `lit` is the sun's cosine times its
     /// share and `ratio` the sky's radiance by the sun's, per channel.
     fn albedos(&self, lit: &[f32], ratio: [f32; 3]) -> Vec<Vec3A> {
-        let of_patch = |((patch, &ambient), &lit): ((&Patch, &f32), &f32)| {
-            let log = Vec3A::from_array(std::array::from_fn(|c| {
-                albedo(patch.radiance[c], ambient, lit, ratio[c], self.white).ln()
-            }));
-            turned(log)
-        };
-        self.patches.all.iter().zip(&self.ambient).zip(lit).map(of_patch).collect()
+        let log = |albedo: [f32; 3]| turned(Vec3A::from_array(albedo.map(f32::ln)));
+        lit.iter().enumerate().map(|(at, lit)| log(self.albedo(at, *lit, ratio))).collect()
+    }
+
+    /// The albedo of a patch.
+    pub(super) fn albedo(&self, at: usize, lit: f32, ratio: [f32; 3]) -> [f32; 3] {
+        let (Patch { radiance, sky, .. }, ambient) = (&self.patches.all[at], self.ambient[at]);
+        std::array::from_fn(|c| {
+            let bounced = self.bounce[c] / self.white * (1.0 - sky);
+            albedo(radiance[c], ambient, lit + bounced, ratio[c], self.white)
+        })
     }
 
     /// The squared differences of each pair: of brightness, and of colour.
@@ -95,7 +108,7 @@ impl<'a> Comparison<'a> {
 }
 
 /// The albedo of one channel, from the radiance of which what gloss and leaks add is taken off.
-pub(super) fn albedo(radiance: f32, ambient: f32, lit: f32, ratio: f32, white: f32) -> f32 {
+fn albedo(radiance: f32, ambient: f32, lit: f32, ratio: f32, white: f32) -> f32 {
     let sky = ratio * ambient;
     let own = (radiance - white * (GLOSS * sky + LEAK)).max(LEFT * radiance) + white * DIM;
     own / (white * (lit + sky))

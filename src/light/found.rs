@@ -11,6 +11,8 @@ pub struct Found {
     pub color: [f32; 3],
     /// Radiance of the sky, linear RGB.
     pub sky: [f32; 3],
+    /// Radiance of the scene's surfaces, which light each other where they see no sky; 0 where the photographs speak against it.
+    pub bounce: [f32; 3],
     /// How sure the light is.
     pub spread: Spread,
     /// The rise of the cost when the sun is turned about up, in nats a pair: the least of three turns.

@@ -1,7 +1,7 @@
 //! The scale, which photographs cannot tell: a brighter light looks like whiter walls. It is a convention about the albedo of
 //! lit surfaces.
 
-use super::comparison::{Comparison, albedo};
+use super::comparison::Comparison;
 use super::observed::luma;
 use super::patches::Patch;
 use super::ratio::Ratio;
@@ -36,10 +36,9 @@ pub(super) fn overcast(comparison: &Comparison<'_>) -> f32 {
 
 fn of_patches(comparison: &Comparison<'_>, lit: &[f32], ratio: Ratio, takes: impl Fn(&Patch, f32) -> bool) -> f32 {
     let mut found: Vec<(f32, f32)> = Vec::new();
-    for ((patch, &ambient), &lit) in comparison.patches.all.iter().zip(&comparison.ambient).zip(lit) {
+    for (at, (patch, &lit)) in comparison.patches.all.iter().zip(lit).enumerate() {
         if takes(patch, lit) {
-            let channel = |c: usize| albedo(patch.radiance[c], ambient, lit, ratio[c], comparison.white);
-            found.push((luma([channel(0), channel(1), channel(2)]), patch.area));
+            found.push((luma(comparison.albedo(at, lit, ratio)), patch.area));
         }
     }
     found.sort_by(|a, b| a.0.total_cmp(&b.0));

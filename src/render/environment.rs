@@ -3,7 +3,8 @@
 //! The reflection of the sky is approximated. The diffuse part is exact up to the sampling: kd times the cosine-weighted
 //! share of the sky that the triangle sees. The specular part is the lobe's directional albedo (the Fresnel-weighted
 //! share that a surface under a full sky reflects towards the viewer) times the same share, as if the blocked directions
-//! were spread evenly. Light from surface to surface is left out.
+//! were spread evenly. Light from surface to surface
+//! is left out, or taken to be the same all over.
 
 use glam::Vec3;
 
@@ -21,6 +22,8 @@ pub(crate) struct Lighting {
     pub sun: Sun,
     /// The sky's radiance, linear RGB; a white Lambertian under an open sky has the same.
     pub sky: Vec3,
+    /// The radiance of the scene's own surfaces, linear RGB: what a triangle sees where it sees no sky; 0 to leave that out.
+    pub bounce: Vec3,
     /// The unit vector to the zenith, the middle of the sky's hemisphere.
     pub up: Vec3,
     /// The radiance seen by rays that leave the mesh, linear RGB.
@@ -33,14 +36,15 @@ pub(crate) struct Lighting {
 impl Lighting {
     /// Light of a sun and of a sky about +z that every triangle sees whole.
     pub(crate) fn new(sun: Sun, sky: Vec3) -> Lighting {
-        Lighting { sun, sky, up: Vec3::Z, background: sky, visibility: Vec::new().into() }
+        Lighting { sun, sky, bounce: Vec3::ZERO, up: Vec3::Z, background: sky, visibility: Vec::new().into() }
     }
 
     /// The radiance that a triangle reflects of the sky alone; `cos`, in [0, 1], is the cosine between viewer and normal.
     #[inline]
     pub(crate) fn ambient(&self, triangle: TriangleId, m: &Material, cos: f32) -> Vec3 {
         let share = self.visibility.get(triangle.index()).copied().unwrap_or(1.0);
-        self.sky * share * (Vec3::from(m.kd) + Vec3::from(m.ks) * sky_specular(m.r, cos))
+        (self.sky * share + self.bounce * (1.0 - share))
+            * (Vec3::from(m.kd) + Vec3::from(m.ks) * sky_specular(m.r, cos))
     }
 }
 

@@ -15,6 +15,8 @@ pub struct SunAndSky {
     pub sun: Sun,
     /// The sky's radiance.
     pub sky: Vec3,
+    /// The radiance of the scene's surfaces, which is what a triangle sees where it sees no sky; 0 where that is left out.
+    pub bounce: Vec3,
     /// How far both may be from the truth.
     pub doubts: Doubts,
 }
@@ -52,36 +54,43 @@ impl<'a> SceneLight<'a> {
     /// A light over a mesh. The sky is the hemisphere about `up`.
     pub(crate) fn new(light: SunAndSky, mesh: &'a Mesh, bvh: &'a Bvh, up: [f64; 3]) -> Self {
         let up = DVec3::from(up).as_vec3().normalize_or_zero();
-        let rays = if light.sky == Vec3::ZERO { 0 } else { SKY_RAYS };
+        let rays = if light.sky == Vec3::ZERO && light.bounce == Vec3::ZERO { 0 } else { SKY_RAYS };
         SceneLight { mesh, bvh, light, up, shares: Shares::new(mesh, rays) }
     }
 
     /// The light that reaches a triangle; zero for a triangle without area.
     pub(crate) fn reaching(&self, t: TriangleId) -> Reaching {
-        let SunAndSky { sun, sky, doubts } = self.light;
+        let SunAndSky { sun, sky, bounce, doubts } = self.light;
         let shines = sun.color != Vec3::ZERO;
         let Some(frame) = self.mesh.lobe_frame(t) else {
             let light = LocalLight { direction: Vec3::Z, sun: Vec3::ZERO, sky: Vec3::ZERO };
             return Reaching { light, lit: if shines { 0.0 } else { f32::NAN }, doubt: Vec3::ZERO };
         };
         let lit = if shines { self.shares.sun(self.mesh, self.bvh, sun.direction, t) } else { 0.0 };
+        let open = self.shares.sky(self.mesh, self.bvh, self.up, t);
         let light = LocalLight {
             direction: frame.to_local(sun.direction),
             sun: sun.color * lit,
-            sky: sky * self.shares.sky(self.mesh, self.bvh, self.up, t),
+            sky: sky * open + bounce * (1.0 - open),
         };
-        Reaching { light, lit: if shines { lit } else { f32::NAN }, doubt: doubt(&light, doubts) }
+        Reaching { light, lit: if shines { lit } else { f32::NAN }, doubt: doubt(&light, lit, doubts) }
     }
 }
 
+/// How far the share of a triangle that the sun reaches is from the truth where it reaches half of it: few rays find it, the mesh
+/// is not the world, and frames do not see the triangle evenly. With it 68% of the truths lie within one deviation on partly lit
+/// triangles of the synthetic cities of seeds 221 to 223.
+const HALF_LIT: f32 = 0.13;
+
 /// The relative standard deviation of the radiance of a white Lambertian surface, `sun cos + sky`: a sun that is turned changes
-/// the cosine, and a ratio that is off changes the sky's part.
-fn doubt(light: &LocalLight, doubts: Doubts) -> Vec3 {
+/// the cosine, a ratio that is off changes the sky's part, and the share that the sun reaches is uncertain where it is a part.
+fn doubt(light: &LocalLight, lit: f32, doubts: Doubts) -> Vec3 {
     let cos = light.direction.z.clamp(0.0, 1.0);
+    let part = light.sun * cos * (2.0 * HALF_LIT * ((1.0 - lit) / lit.max(1e-3)).max(0.0).sqrt());
     let turned = light.sun * (1.0 - cos * cos).sqrt() * doubts.sun;
     let other = light.sky * doubts.ratio;
     let white = light.sun * cos + light.sky;
-    (turned * turned + other * other).map(f32::sqrt) / white.max(Vec3::splat(1e-3))
+    (part * part + turned * turned + other * other).map(f32::sqrt) / white.max(Vec3::splat(1e-3))
 }
 
 #[cfg(test)]
@@ -115,9 +124,13 @@ mod tests {
         let (turned, other) = (Doubts { sun: 0.01, ..Doubts::default() }, Doubts { sun: 0.0, ratio: Vec3::splat(0.1) });
         let near = |a: Vec3, b: [f32; 3]| assert!(a.abs_diff_eq(Vec3::from(b), 1e-5), "{a} {b:?}");
         // White is 2, 1.5 and 1; a turn by 0.01 changes it by 0.01 x 2 x sin 60 degrees.
-        near(doubt(&light, turned), [0.00866, 0.011_547, 0.017_32]);
-        near(doubt(&light, other), [0.05, 0.033_333, 0.0]);
-        near(doubt(&light, Doubts::default()), [0.0; 3]);
+        near(doubt(&light, 1.0, turned), [0.00866, 0.011_547, 0.017_32]);
+        near(doubt(&light, 1.0, other), [0.05, 0.033_333, 0.0]);
+        near(doubt(&light, 1.0, Doubts::default()), [0.0; 3]);
+        // Of a triangle that is half lit the sun's part is off by 0.26.
+        near(doubt(&light, 0.5, Doubts::default()), [0.13, 0.173_333, 0.26]);
+        let dark = LocalLight { sun: Vec3::ZERO, ..light };
+        near(doubt(&dark, 0.0, Doubts::default()), [0.0; 3]);
     }
 
     #[test]
@@ -126,7 +139,7 @@ mod tests {
         let mesh = Mesh::new(&corner, vec![[0, 1, 2]]).unwrap();
         let bvh = Bvh::build(&mesh);
         let none = Sun { direction: Vec3::Z, color: Vec3::ZERO };
-        let light = SunAndSky { sun: none, sky: Vec3::ONE, doubts: Doubts::default() };
+        let light = SunAndSky { sun: none, sky: Vec3::ONE, bounce: Vec3::ZERO, doubts: Doubts::default() };
         let reaching = SceneLight::new(light, &mesh, &bvh, [0.0, 0.0, 1.0]).reaching(TriangleId(0));
         assert!(reaching.lit.is_nan());
         assert_eq!((reaching.light.sun, reaching.light.sky), (Vec3::ZERO, Vec3::ONE));

@@ -20,7 +20,7 @@ fn found(mesh: &Mesh, light: &Light, threads: usize) -> Found {
 }
 
 fn afternoon() -> Light {
-    Light { sun: Vec3::new(0.5, -0.6, 0.6).normalize(), color: 0.9, sky: [0.18, 0.22, 0.3], cap: 0.0 }
+    Light { sun: Vec3::new(0.5, -0.6, 0.6).normalize(), color: 0.9, sky: [0.18, 0.22, 0.3], bounce: 0.0, cap: 0.0 }
 }
 
 fn sun(found: &Found) -> Vec3 {
@@ -37,7 +37,21 @@ fn the_sun_is_found_to_a_degree_and_the_ratio_to_a_twentieth() {
         let off = found.sky[c] / found.color[c] / (light.sky[c] / light.color) - 1.0;
         assert!(off.abs() < 0.05, "channel {c}: the ratio is off by {off}");
     }
+    assert_eq!(found.bounce, [0.0; 3]);
     assert!(found.spread.sun_degrees < 2.0 && found.spread.ratio.iter().all(|s| *s < 0.1), "{:?}", found.spread);
+}
+
+#[test]
+fn light_from_surface_to_surface_is_told_from_none() {
+    // About what the town's surfaces send.
+    let light = Light { bounce: 0.12, ..afternoon() };
+    let found = found(&town(8, 3), &light, 2);
+    assert!(found.bounce.iter().all(|b| (0.09..0.15).contains(b)), "{:?}", found.bounce);
+    assert!(angle(sun(&found), light.sun) < 1.0, "{} degrees off", angle(sun(&found), light.sun));
+    for c in 0..3 {
+        let off = found.sky[c] / found.color[c] / (light.sky[c] / light.color) - 1.0;
+        assert!(off.abs() < 0.2, "channel {c}: the ratio is off by {off}");
+    }
 }
 
 #[test]

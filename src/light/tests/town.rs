@@ -49,6 +49,8 @@ pub(super) struct Light {
     pub color: f32,
     /// Radiance of the sky.
     pub sky: [f32; 3],
+    /// Radiance of what is seen where no sky is.
+    pub bounce: f32,
     /// Half the angle that the sun is spread over, degrees.
     pub cap: f32,
 }
@@ -71,7 +73,10 @@ pub(super) fn seen(mesh: &Mesh, bvh: &Bvh, sample: &[TriangleId], light: &Light)
             let noise = |c: usize| 1.0 + 0.1 * (unit(9 + u64::from(frame), (3 * at + c) as u64) as f32 - 0.5);
             // Some of what every surface reflects is no albedo.
             let mean = std::array::from_fn(|c| {
-                (kd[c] * (sun + light.sky[c] * sky) + 0.008 * light.sky[c] * sky + 0.002 * light.color) * noise(c)
+                (kd[c] * (sun + light.sky[c] * sky + light.bounce * (1.0 - sky))
+                    + 0.008 * light.sky[c] * sky
+                    + 0.002 * light.color)
+                    * noise(c)
             });
             rows.push(Sighting { frame, sample: at as u32, pixels: 30, clipped: 0, mean, radius2: 0.2 });
         }

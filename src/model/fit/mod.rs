@@ -51,10 +51,14 @@ pub struct Fit {
 }
 
 /// The fit's version. It changes whenever the same map and light give another material.
-const VERSION: &str = "3";
+const VERSION: &str = "4";
 
 /// The standard deviation of values spread evenly over [0, 1].
 const WIDE: f32 = to_f32(solve::WIDEST);
+
+/// The factors of the deviations after a network, whose answer is of the same map, which the fit takes for news. With them 68% of
+/// the truths lie within one deviation on the synthetic cities of seeds 221 to 223.
+const AFTER_NETWORK: [f32; Material::LEN] = [1.2, 1.2, 1.2, 1.23, 1.23, 1.23, 1.45];
 
 /// The prior of a material without a network: outdoors most surfaces are darker than the middle of the range, and more of them
 /// are matt than shiny. ks is the least certain.
@@ -132,8 +136,10 @@ impl Session for Worker {
             Some((light, network)) => network.estimate(maps, light.then_some(lights), out)?,
             None => out.fill(OUTDOORS),
         }
+        let wider = if self.network.is_some() { AFTER_NETWORK } else { [1.0; Material::LEN] };
         for ((map, light), out) in maps.iter().zip(lights).zip(out) {
             *out = self.fit.fit(map, light, out);
+            out.deviation.iter_mut().zip(wider).for_each(|(deviation, by)| *deviation = (*deviation * by).min(WIDE));
         }
         Ok(())
     }

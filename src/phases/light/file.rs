@@ -32,6 +32,8 @@ struct Told<'a> {
     color: Option<[f32; 3]>,
     /// The sky's radiance.
     sky: Option<[f32; 3]>,
+    /// Radiance of the scene's surfaces, which light each other where they see no sky.
+    bounce: Option<[f32; 3]>,
     spread: Option<Spread>,
     /// The least rise of the cost where the sun is turned about up.
     turned: Option<f32>,
@@ -69,6 +71,7 @@ pub(super) fn write(store: &dyn Store, state: &State, up: [f64; 3]) -> Result<Ve
         sun: light.and_then(|light| light.sun),
         color: light.map(|light| light.color),
         sky: light.map(|light| light.sky),
+        bounce: light.map(|light| light.bounce),
         spread: light.map(|l| Spread { sun_degrees: l.sun_degrees, sky_over_sun: l.ratio, scale: l.scale }),
         turned: light.map(|light| light.turned),
         white: light.map(|light| light.white),

@@ -44,6 +44,9 @@ pub(crate) struct FoundLight {
     pub color: [f32; 3],
     /// The sky's radiance.
     pub sky: [f32; 3],
+    /// Radiance of the scene's surfaces, which light each other.
+    #[serde(default)]
+    pub bounce: [f32; 3],
     /// One standard deviation of the sun's direction, degrees.
     pub sun_degrees: f32,
     /// One standard deviation of the logarithm of sky over sun, by channel.
@@ -137,6 +140,7 @@ impl FoundLight {
             sun: found.sun,
             color: found.color.map(finite),
             sky: found.sky.map(finite),
+            bounce: found.bounce.map(finite),
             sun_degrees: finite(found.spread.sun_degrees),
             ratio: found.spread.ratio.map(finite),
             scale: finite(found.spread.scale),
@@ -163,7 +167,7 @@ impl FoundLight {
             (None, _) => return None,
         };
         let doubts = Doubts { sun: self.sun_degrees.to_radians(), ratio: Vec3::from(self.ratio) };
-        Some(SunAndSky { sun, sky: Vec3::from(self.sky), doubts })
+        Some(SunAndSky { sun, sky: Vec3::from(self.sky), bounce: Vec3::from(self.bounce), doubts })
     }
 
     /// What a light that is found now says against this one, if it lies beyond the spread of both.
@@ -199,6 +203,7 @@ mod tests {
             sun,
             color: [1.0; 3],
             sky: [0.2; 3],
+            bounce: [0.0; 3],
             sun_degrees,
             ratio: [0.1; 3],
             scale: 0.2,

@@ -22,7 +22,7 @@ use crate::pipeline::Pipeline;
 const FOLDER: &str = "light";
 
 /// The version of how gains and light are found. Another version finds them anew.
-pub(super) const VERSION: u32 = 1;
+pub(super) const VERSION: u32 = 2;
 
 /// An entry of the list.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -211,8 +211,8 @@ impl FrozenLight {
 
     /// The key of the light, in the recipes of what it lights.
     pub(crate) fn light_key(&self) -> Option<Key> {
-        let FoundLight { sun, color, sky, sun_degrees, ratio, .. } = self.state.light.as_ref()?;
-        Some(Key::of_bytes(format!("{sun:?} {color:?} {sky:?} {sun_degrees:?} {ratio:?}").as_bytes()))
+        let FoundLight { sun, color, sky, bounce, sun_degrees, ratio, .. } = self.state.light.as_ref()?;
+        Some(Key::of_bytes(format!("{sun:?} {color:?} {sky:?} {bounce:?} {sun_degrees:?} {ratio:?}").as_bytes()))
     }
 
     /// Freezes the triangles that are looked at, unless they are.
