@@ -4,6 +4,7 @@
 //! listing      the files and folders below the project's folder
 //! cameras      the poses among them, of any format
 //! photographs  the folder that holds the photographs that the poses name
+//! flight       when, where and how the photographs were taken
 //! masks        the folder that holds their masks
 //! surface      the meshes
 //! found        all of it: what is told, and the values of the pipeline file
@@ -13,6 +14,7 @@
 //! ```
 
 mod cameras;
+mod flight;
 mod found;
 mod listing;
 mod masks;
