@@ -104,7 +104,8 @@ impl Found {
         }
         if let Some(mesh) = self.surfaces.meshes.first() {
             let seen = mesh.seen.map(|seen| format!(", {:.0}% of it before the cameras", 100.0 * seen));
-            tell("mesh", format!("{}, {}{}", mesh.file, Bytes(mesh.bytes), seen.unwrap_or_default()));
+            let parts = if mesh.parts > 1 { format!(", {} files", mesh.parts) } else { String::new() };
+            tell("mesh", format!("{}{parts}, {}{}", mesh.file, Bytes(mesh.bytes), seen.unwrap_or_default()));
         }
         if let Some(others) = others(self.surfaces.meshes.iter().map(|mesh| mesh.file.as_str())) {
             tell("", others);

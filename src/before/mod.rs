@@ -7,6 +7,7 @@
 //! flight       when, where and how the photographs were taken
 //! masks        the folder that holds their masks
 //! surface      the meshes
+//! tiles        meshes that are parts of one
 //! found        all of it: what is told, and the values of the pipeline file
 //! missing      what is missing, and how people make it
 //! usual        what may be there, and where files are looked for that are to be made
@@ -23,6 +24,7 @@ mod photographs;
 mod surface;
 #[cfg(test)]
 mod tests;
+mod tiles;
 mod usual;
 mod write;
 

@@ -8,6 +8,7 @@ use glam::DVec3;
 
 use super::cameras::Cameras;
 use super::listing::Listing;
+use super::tiles::{self, Tiles};
 use crate::codec::meshes;
 use crate::codec::poses::OPENDRONEMAP;
 use crate::scene::frame::Frame;
@@ -25,10 +26,12 @@ const LESSER: [&str; 4] = ["simplified", "decimated", "lowpoly", "25d"];
 /// A mesh.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Surface {
-    /// The file.
+    /// The file, or the path of several in which `*` stands for what differs.
     pub file: String,
-    /// The bytes of the file.
+    /// The bytes of all files.
     pub bytes: u64,
+    /// How many files there are.
+    pub parts: usize,
     /// Some of the vertices; none where it was not gone through.
     pub points: Vec<DVec3>,
     /// What share of the vertices the cameras see, where there are cameras.
@@ -47,14 +50,17 @@ pub(super) struct Surfaces {
 /// All meshes: those that the cameras see first, then those of which less was taken away, then the largest.
 pub(super) fn find(root: &Path, listing: &Listing, cameras: Option<&Cameras>) -> Surfaces {
     let mut found = Surfaces::default();
-    for file in listing.files.iter().filter(|file| meshes::is_named(Path::new(file))).take(MOST) {
-        let path = root.join(file);
-        match meshes::look(&path) {
-            Ok(()) => {
-                let bytes = fs::metadata(&path).map_or(0, |found| found.len());
-                found.meshes.push(Surface { file: file.clone(), bytes, points: Vec::new(), seen: None });
-            }
-            Err(why) => found.others.push((file.clone(), why.to_string())),
+    let named = listing.files.iter().map(String::as_str).filter(|file| meshes::is_named(Path::new(file)));
+    let mut files: Vec<&str> = named.collect();
+    let bytes = |file: &str| fs::metadata(root.join(file)).map_or(0, |found| found.len());
+    for Tiles { path, files: parts } in tiles::find(root, &files) {
+        files.retain(|file| !parts.iter().any(|part| part == file));
+        found.add(path, parts.iter().map(|part| bytes(part)).sum(), parts.len());
+    }
+    for file in files.into_iter().take(MOST) {
+        match meshes::look(&root.join(file)) {
+            Ok(()) => found.add(file.to_owned(), bytes(file), 1),
+            Err(why) => found.others.push((file.to_owned(), why.to_string())),
         }
     }
     // OpenDroneMap writes two meshes, and poses about the georeferenced one.
@@ -68,6 +74,10 @@ pub(super) fn find(root: &Path, listing: &Listing, cameras: Option<&Cameras>) ->
 }
 
 impl Surfaces {
+    fn add(&mut self, file: String, bytes: u64, parts: usize) {
+        self.meshes.push(Surface { file, bytes, parts, points: Vec::new(), seen: None });
+    }
+
     /// Finds how much of the first meshes the cameras see, and puts those of which they see little behind the others.
     fn go_through(&mut self, root: &Path, frames: &[Frame]) {
         let rest = self.meshes.split_off(self.meshes.len().min(TRIED));
