@@ -8,7 +8,7 @@ use crate::base::Result;
 use crate::base::patience::Patience;
 use crate::codec::images::is_picture;
 use crate::codec::meshes::is_named;
-use crate::codec::poses::{self, FORMATS, PhotographFolder, PoseFormat, Target};
+use crate::codec::poses::{self, FORMATS, PhotographFolder, PoseFormat, Posed, Target};
 use crate::scene::frame::Frame;
 
 /// The most poses that are read.
@@ -29,6 +29,8 @@ pub(super) struct Cameras {
     pub path: String,
     /// The frames, sorted by name.
     pub frames: Vec<Frame>,
+    /// What else the format says, as of its coordinates.
+    pub notes: Vec<String>,
 }
 
 /// Poses, and their photographs if they are there.
@@ -39,7 +41,9 @@ pub(super) fn find(root: &Path, listing: &Listing) -> (Vec<Taken>, Vec<String>) 
     let (mut found, mut broken) = (Vec::new(), Vec::new());
     for (format, path) in places(root, listing) {
         match (Reading { root, listing, format, path: &path }).posed() {
-            Ok((frames, photographs)) => found.push((Cameras { format, path, frames }, photographs)),
+            Ok((Posed { frames, notes, .. }, photographs)) => {
+                found.push((Cameras { format, path, frames, notes }, photographs))
+            }
             Err(why) => broken.push(format!("poses {} cannot be read: {why}", named(&path))),
         }
     }
@@ -59,39 +63,39 @@ impl Reading<'_> {
     ///
     /// # Errors
     /// Those of the format.
-    fn posed(&self) -> Result<(Vec<Frame>, Option<Photographs>)> {
-        match self.frames("") {
-            Ok(frames) => {
-                let found = photographs::find(self.root, self.listing, &frames);
+    fn posed(&self) -> Result<(Posed, Option<Photographs>)> {
+        match self.looked("") {
+            Ok(posed) => {
+                let found = photographs::find(self.root, self.listing, &posed.frames);
                 let narrow = found.as_ref().and_then(|found| self.narrow(found));
-                Ok(narrow.map_or((frames, found), |(frames, found)| (frames, Some(found))))
+                Ok(narrow.map_or((posed, found), |(posed, found)| (posed, Some(found))))
             }
             // A program may leave the same photographs twice, as they were taken and undistorted.
-            Err(why) => self.apart().map(|(frames, found)| (frames, Some(found))).ok_or(why),
+            Err(why) => self.apart().map(|(posed, found)| (posed, Some(found))).ok_or(why),
         }
     }
 
     /// The frames, as they are named with the photographs of a folder.
-    fn frames(&self, folder: &str) -> Result<Vec<Frame>> {
+    fn looked(&self, folder: &str) -> Result<Posed> {
         let photographs = PhotographFolder::new(&self.root.join(folder));
-        Patience::default().with(|| poses::read(self.format, &self.root.join(self.path), &photographs))
+        Patience::default().with(|| poses::look(self.format, &self.root.join(self.path), &photographs))
     }
 
     /// The same photographs in the folder that all of them lie in, where a name is settled by what is there.
-    fn narrow(&self, found: &Photographs) -> Option<(Vec<Frame>, Photographs)> {
+    fn narrow(&self, found: &Photographs) -> Option<(Posed, Photographs)> {
         let shared = found.shared();
         let narrow = (!shared.is_empty()).then(|| self.within(&below(&found.folder, shared)))?;
         narrow.filter(|(_, narrow)| narrow.count() == found.count())
     }
 
-    fn within(&self, folder: &str) -> Option<(Vec<Frame>, Photographs)> {
-        let frames = self.frames(folder).ok()?;
-        let found = photographs::within(self.root, self.listing, folder, &frames)?;
-        Some((frames, found))
+    fn within(&self, folder: &str) -> Option<(Posed, Photographs)> {
+        let posed = self.looked(folder).ok()?;
+        let found = photographs::within(self.root, self.listing, folder, &posed.frames)?;
+        Some((posed, found))
     }
 
     /// The folder with the most photographs, of those that have photographs right in them.
-    fn apart(&self) -> Option<(Vec<Frame>, Photographs)> {
+    fn apart(&self) -> Option<(Posed, Photographs)> {
         let has = |folder: &&String| {
             !is_of_masks(folder) && self.listing.within(folder).any(|file| is_picture(Path::new(file)))
         };

@@ -88,6 +88,7 @@ impl Found {
             tell("poses", format!("{}: {}", named(&cameras.path), described(cameras)));
             tell("lens", lensed(&cameras.frames));
             let ground = || self.surfaces.meshes.first().map(|mesh| mesh.points.clone());
+            cameras.notes.iter().for_each(|note| tell("", note.clone()));
             if let Some(up) = Upright::of(&cameras.frames, ground) {
                 tell("axes", up.to_string());
             }
@@ -213,9 +214,10 @@ fn photographed(found: &Photographs, cameras: &Cameras) -> String {
     words
 }
 
-/// The names after the first.
-fn others<'a>(names: impl Iterator<Item = &'a str>) -> Option<String> {
-    let others: Vec<&str> = names.skip(1).collect();
+/// The names after the first that are other names.
+fn others<'a>(mut names: impl Iterator<Item = &'a str>) -> Option<String> {
+    let first = names.next()?;
+    let others: Vec<&str> = names.filter(|name| *name != first).collect();
     let more = if others.len() > TOLD { ", ..." } else { "" };
     (!others.is_empty()).then(|| format!("there is also {}{more}", others[..others.len().min(TOLD)].join(", ")))
 }

@@ -94,6 +94,10 @@ fn the_folders_of_programs_are_read_as_they_were_written() {
         let folder = layout.folder();
         let found = Found::at(folder.path()).unwrap();
         assert_eq!(found.missing(), [""; 0], "{}", found.lines().join("\n"));
+        if layout.poses[0].0 == "opendronemap" {
+            let told = "coordinates are WGS84 UTM 16N minus the offset 482706";
+            assert!(found.lines().iter().any(|line| line.contains(told)), "{}", found.lines().join("\n"));
+        }
         let file = folder.path().join("gonio.toml");
         write(&file, &text(&found)).unwrap();
         let scene = load(&file, &[]).unwrap().scene;

@@ -37,9 +37,7 @@ mod xml;
 
 pub(crate) use alike::{Alike, resolve};
 pub use colmap::COLMAP;
-#[cfg(test)]
-pub(crate) use format::Posed;
-pub(crate) use format::{PoseFormat, Target};
+pub(crate) use format::{PoseFormat, Posed, Target};
 pub(crate) use list::{FORMATS, NAMES};
 pub(crate) use metashape::METASHAPE;
 pub(crate) use opendronemap::OPENDRONEMAP;
