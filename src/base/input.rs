@@ -107,6 +107,36 @@ impl Input {
     }
 }
 
+/// An input file that was closed. What is opened again is the very file that it was.
+#[derive(Debug, Clone)]
+pub(crate) struct Closed {
+    path: PathBuf,
+    stamp: Stamp,
+}
+
+impl Input {
+    /// Closes the file for now.
+    pub(crate) fn close(self) -> Closed {
+        Closed { path: self.path, stamp: self.stamp }
+    }
+}
+
+impl Closed {
+    /// The path under which the file was opened.
+    pub(crate) fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Opens the file again.
+    ///
+    /// # Errors
+    /// Those of [`Input::open`]; another file is there, or the file was changed.
+    pub(crate) fn open(&self) -> io::Result<Input> {
+        let file = Input::open(&self.path)?;
+        if file.stamp == self.stamp { Ok(file) } else { Err(changed()) }
+    }
+}
+
 impl Read for Input {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         #[cfg(test)]

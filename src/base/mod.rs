@@ -13,6 +13,7 @@ pub(crate) mod input;
 pub(crate) mod key;
 pub(crate) mod memory;
 pub(crate) mod patience;
+pub(crate) mod pattern;
 pub(crate) mod phase;
 pub(crate) mod shown;
 pub(crate) mod units;

@@ -4,20 +4,25 @@ use std::cmp::Reverse;
 use std::path::{Path, PathBuf};
 
 use super::cameras::{self, Cameras};
+use super::flight;
 use super::listing::{Listing, named};
 use super::masks::{self, Masks};
-use super::photographs::{self, Fit, Photographs};
+use super::photographs::{Fit, Photographs};
 use super::surface::{self, Surfaces};
 use super::usual::{self, IMAGES, MESH, POSES};
 use crate::base::units::Bytes;
 use crate::base::{Error, Result};
 use crate::codec::images::is_picture;
-use crate::codec::meshes;
 use crate::pipeline::Filled;
+use crate::scene::camera::{Camera, Projection};
+use crate::scene::frame::Frame;
 use crate::scene::up::Upright;
 
 /// The most names that are told of many.
 const TOLD: usize = 3;
+
+/// The most lenses that are told apart.
+const MANY: usize = 64;
 
 /// What was found in a project's folder.
 #[derive(Debug)]
@@ -43,16 +48,11 @@ impl Found {
             return Err(Error::invalid(format!("{} is a file: name the folder of a project", root.display())));
         }
         let listing = Listing::of(root)?;
-        let (cameras, broken) = cameras::find(root, &listing);
-        let with = |cameras: Cameras| {
-            let photographs = photographs::find(root, &listing, &cameras.frames);
-            (cameras, photographs)
-        };
-        let mut posed: Vec<(Cameras, Option<Photographs>)> = cameras.into_iter().map(with).collect();
+        let (mut posed, broken) = cameras::find(root, &listing);
         posed.sort_by_cached_key(|(_, photographs)| Rank::of(photographs.as_ref()));
         let taken = posed.first().and_then(|(_, photographs)| photographs.as_ref());
         let masks = taken.and_then(|photographs| masks::find(root, &listing, photographs));
-        let surfaces = surface::find(root, &listing);
+        let surfaces = surface::find(root, &listing, posed.first().map(|(cameras, _)| cameras));
         let pictures = listing.files.iter().any(|file| is_picture(Path::new(file)));
         if posed.is_empty() && broken.is_empty() && surfaces.meshes.is_empty() && !pictures {
             let words = format!(
@@ -77,7 +77,7 @@ impl Found {
 
     /// The mesh that is taken.
     pub(super) fn mesh(&self) -> Option<&str> {
-        self.surfaces.meshes.first().map(|(file, _)| file.as_str())
+        self.surfaces.meshes.first().map(|mesh| mesh.file.as_str())
     }
 
     /// What was found, a line each.
@@ -86,7 +86,9 @@ impl Found {
         let mut tell = |name: &str, words: String| lines.push(format!("{name:12} {words}"));
         if let Some(cameras) = self.cameras() {
             tell("poses", format!("{}: {}", named(&cameras.path), described(cameras)));
-            let ground = || self.mesh().and_then(|mesh| meshes::sample(&self.root.join(mesh)).ok());
+            tell("lens", lensed(&cameras.frames));
+            let ground = || self.surfaces.meshes.first().map(|mesh| mesh.points.clone());
+            cameras.notes.iter().for_each(|note| tell("", note.clone()));
             if let Some(up) = Upright::of(&cameras.frames, ground) {
                 tell("axes", up.to_string());
             }
@@ -96,14 +98,17 @@ impl Found {
         }
         if let (Some(found), Some(cameras)) = (self.photographs(), self.cameras()) {
             tell("photographs", photographed(found, cameras));
+            flight::lines(&self.root, found).into_iter().for_each(|(name, words)| tell(name, words));
         }
         if let (Some(Masks { folder, count }), Some(found)) = (&self.masks, self.photographs()) {
             tell("masks", format!("{}: {count} of {} photographs have one", named(folder), found.count()));
         }
-        if let Some((file, bytes)) = self.surfaces.meshes.first() {
-            tell("mesh", format!("{file}, {}", Bytes(*bytes)));
+        if let Some(mesh) = self.surfaces.meshes.first() {
+            let seen = mesh.seen.map(|seen| format!(", {:.0}% of it before the cameras", 100.0 * seen));
+            let parts = if mesh.parts > 1 { format!(", {} files", mesh.parts) } else { String::new() };
+            tell("mesh", format!("{}{parts}, {}{}", mesh.file, Bytes(mesh.bytes), seen.unwrap_or_default()));
         }
-        if let Some(others) = others(self.surfaces.meshes.iter().map(|(file, _)| file.as_str())) {
+        if let Some(others) = others(self.surfaces.meshes.iter().map(|mesh| mesh.file.as_str())) {
             tell("", others);
         }
         if self.listing.cut {
@@ -166,6 +171,31 @@ fn described(cameras: &Cameras) -> String {
     format!("{name} ({programs}), {} frames of {}{more} pixels", cameras.frames.len(), told.join(", "))
 }
 
+/// The lenses: how many there are, and what the first does.
+fn lensed(frames: &[Frame]) -> String {
+    let mut lenses: Vec<&Camera> = Vec::new();
+    for Frame { camera, .. } in frames {
+        if !lenses.contains(&&**camera) && lenses.len() < MANY {
+            lenses.push(camera);
+        }
+    }
+    let Some(first) = lenses.first() else { return String::new() };
+    let kind = match first.lens.projection() {
+        Projection::Pinhole => "without distortion",
+        Projection::Perspective(_) => "with distortion",
+        Projection::Inward(_) => "with distortion that says the way back",
+        Projection::Equidistant(_) => "a fisheye",
+        Projection::FieldOfView { .. } => "of the field-of-view model",
+        Projection::Unified(_) => "of the unified model",
+    };
+    let count = match lenses.len() {
+        1 => "one".to_owned(),
+        MANY => format!("{MANY} or more, the first"),
+        many => format!("{many}, the first"),
+    };
+    format!("{count} {kind}, of a focal length of {:.1} pixels", first.lens.focal().x)
+}
+
 /// The photographs, and how they go with the cameras.
 fn photographed(found: &Photographs, cameras: &Cameras) -> String {
     let mut words = format!("{}: {} of {}", named(&found.folder), found.count(), cameras.frames.len());
@@ -184,9 +214,10 @@ fn photographed(found: &Photographs, cameras: &Cameras) -> String {
     words
 }
 
-/// The names after the first.
-fn others<'a>(names: impl Iterator<Item = &'a str>) -> Option<String> {
-    let others: Vec<&str> = names.skip(1).collect();
+/// The names after the first that are other names.
+fn others<'a>(mut names: impl Iterator<Item = &'a str>) -> Option<String> {
+    let first = names.next()?;
+    let others: Vec<&str> = names.filter(|name| *name != first).collect();
     let more = if others.len() > TOLD { ", ..." } else { "" };
     (!others.is_empty()).then(|| format!("there is also {}{more}", others[..others.len().min(TOLD)].join(", ")))
 }

@@ -1,19 +1,21 @@
 //! What is missing in a project's folder, and how people make it.
 
+use glam::DVec3;
+
 use super::cameras::database;
 use super::found::Found;
 use super::listing::named;
-use super::photographs::{Fit, Photographs};
+use super::photographs::{self, Fit, Photographs};
 use super::usual::{IMAGES, MESH, formats};
 use crate::base::shown::quoted;
-use crate::codec::poses::COLMAP;
+use crate::codec::poses::{COLMAP, METASHAPE};
 
 impl Found {
     /// What is missing, and how it is made, a few lines each.
     pub(crate) fn missing(&self) -> Vec<String> {
         let poses = self.cameras().is_none().then(|| self.poses());
         let photographs = self.cameras().and_then(|_| self.images());
-        let mesh = self.mesh().is_none().then(|| self.surface());
+        let mesh = if self.mesh().is_none() { Some(self.surface()) } else { self.unseen() };
         [poses, photographs, mesh].into_iter().flatten().collect()
     }
 
@@ -32,15 +34,48 @@ impl Found {
     fn images(&self) -> Option<String> {
         let first = self.cameras()?.frames.first()?;
         match self.photographs() {
-            None => Some(format!(
-                "missing: the photographs\n  none of those that the poses name is here, as {}; put them into {IMAGES}, or link it",
-                first.name
-            )),
+            None => {
+                let beside = photographs::beside(&self.root, &self.cameras()?.frames).map(|(folder, count)| {
+                    let all = self.cameras().map_or(0, |cameras| cameras.frames.len());
+                    format!(
+                        "\n  {folder} has {count} of {all} of their names: if it is theirs, set images = \"{folder}\""
+                    )
+                });
+                Some(format!(
+                    "missing: the photographs\n  none of those that the poses name is here, as {}; put them into {IMAGES}, or \
+                     link it{}",
+                    first.name,
+                    beside.unwrap_or_default()
+                ))
+            }
             Some(Photographs { fit: Fit::Not(why), folder, .. }) => {
                 Some(format!("missing: photographs of the cameras' sizes\n  in {}, {why}", named(folder)))
             }
             Some(_) => None,
         }
+    }
+
+    /// Tells of a mesh that no camera sees.
+    fn unseen(&self) -> Option<String> {
+        let (mesh, cameras) = (self.surfaces.meshes.first()?, self.cameras()?);
+        if mesh.seen.is_none_or(|seen| seen > 0.0) {
+            return None;
+        }
+        let centres: Vec<DVec3> = cameras.frames.iter().map(|frame| frame.pose.centre()).collect();
+        let [stand, lies] = [&centres, &mesh.points].map(|all| {
+            let middle = all.iter().sum::<DVec3>() / all.len().max(1) as f64;
+            middle.to_array().map(|v| format!("{v:.1}")).join(" ")
+        });
+        let advice = if *cameras.format == METASHAPE {
+            "export it once more: in geocentric coordinates (EPSG:4978) where the chunk is georeferenced, and without a shift"
+        } else {
+            "export mesh and poses once more, both in the same coordinates, without a shift"
+        };
+        Some(format!(
+            "missing: a mesh in the coordinates of the poses\n  no camera sees {}: it lies about {lies}, and they stand about \
+             {stand}\n  {advice}",
+            mesh.file
+        ))
     }
 
     fn surface(&self) -> String {

@@ -4,8 +4,10 @@
 //! listing      the files and folders below the project's folder
 //! cameras      the poses among them, of any format
 //! photographs  the folder that holds the photographs that the poses name
+//! flight       when, where and how the photographs were taken
 //! masks        the folder that holds their masks
 //! surface      the meshes
+//! tiles        meshes that are parts of one
 //! found        all of it: what is told, and the values of the pipeline file
 //! missing      what is missing, and how people make it
 //! usual        what may be there, and where files are looked for that are to be made
@@ -13,6 +15,7 @@
 //! ```
 
 mod cameras;
+mod flight;
 mod found;
 mod listing;
 mod masks;
@@ -21,6 +24,7 @@ mod photographs;
 mod surface;
 #[cfg(test)]
 mod tests;
+mod tiles;
 mod usual;
 mod write;
 

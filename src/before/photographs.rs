@@ -1,6 +1,8 @@
 //! The folder that holds the photographs that poses name.
 
+use std::cmp::Reverse;
 use std::collections::BTreeSet;
+use std::fs::{self, DirEntry};
 use std::path::Path;
 
 use super::listing::{Listing, above, below, is_of_masks};
@@ -44,17 +46,46 @@ impl Photographs {
     pub(super) fn count(&self) -> usize {
         self.files.iter().flatten().count()
     }
+
+    /// What is better comes first: more photographs, then sizes that fit.
+    pub(super) fn rank(&self) -> (Reverse<usize>, Option<Alike>, &Fit) {
+        (Reverse(self.count()), self.alike, &self.fit)
+    }
+
+    /// The folder below this one that all photographs lie in; "" if it is this one.
+    pub(super) fn shared(&self) -> &str {
+        let mut files = self.files.iter().flatten();
+        let mut shared = files.next().map_or("", |file| above(file));
+        for file in files {
+            while !(shared.is_empty() || file.strip_prefix(shared).is_some_and(|rest| rest.starts_with('/'))) {
+                shared = above(shared);
+            }
+        }
+        shared
+    }
+}
+
+/// The photographs of these frames in a folder, by their very names.
+pub(super) fn within(root: &Path, listing: &Listing, folder: &str, frames: &[Frame]) -> Option<Photographs> {
+    let files: Vec<Option<String>> = exact(&pictures(listing), folder, frames);
+    let fit = fit(&root.join(folder), frames, &files);
+    files.iter().any(Option::is_some).then(|| Photographs { folder: folder.to_owned(), files, alike: None, fit })
+}
+
+fn exact(pictures: &BTreeSet<&str>, folder: &str, frames: &[Frame]) -> Vec<Option<String>> {
+    let file = |frame: &Frame| pictures.contains(&*below(folder, &frame.name)).then(|| frame.name.clone());
+    frames.iter().map(file).collect()
+}
+
+fn pictures(listing: &Listing) -> BTreeSet<&str> {
+    listing.files.iter().map(String::as_str).filter(|file| is_picture(Path::new(file))).collect()
 }
 
 /// The folder that holds the most photographs of these frames; among equals the one whose sizes fit, then the nearest.
 pub(super) fn find(root: &Path, listing: &Listing, frames: &[Frame]) -> Option<Photographs> {
-    let pictures: BTreeSet<&str> =
-        listing.files.iter().map(String::as_str).filter(|file| is_picture(Path::new(file))).collect();
+    let pictures = pictures(listing);
     let folders = folders(listing, &pictures);
-    let exact = |folder: &&str| {
-        let file = |frame: &Frame| pictures.contains(&*below(folder, &frame.name)).then(|| frame.name.clone());
-        ((*folder).to_owned(), None, frames.iter().map(file).collect())
-    };
+    let exact = |folder: &&str| ((*folder).to_owned(), None, exact(&pictures, folder, frames));
     let alike = |folder: &&str| {
         let prefix = below(folder, "");
         let under = |file: &&&str| file.strip_prefix(&*prefix).map(str::to_owned);
@@ -80,6 +111,23 @@ fn most(candidates: Vec<Candidate>) -> Vec<Candidate> {
     let count = |(.., files): &Candidate| files.iter().flatten().count();
     let most = candidates.iter().map(count).max().unwrap_or(0);
     candidates.into_iter().filter(|candidate| most > 0 && count(candidate) == most).collect()
+}
+
+/// A folder beside the project's in which most of these frames have a photograph of their name, and how many have one.
+pub(super) fn beside(root: &Path, frames: &[Frame]) -> Option<(String, usize)> {
+    let root = root.canonicalize().ok()?;
+    let name = |entry: DirEntry| entry.file_name().into_string().ok().filter(|name| !name.starts_with('.'));
+    let mut siblings: Vec<String> = fs::read_dir(root.parent()?).ok()?.flatten().filter_map(name).collect();
+    siblings.sort();
+    let own = root.file_name().unwrap_or_default();
+    let others = siblings.into_iter().filter(|name| own != name.as_str()).take(TRIED);
+    let folders = others.flat_map(|name| [format!("../{name}"), format!("../{name}/images")]);
+    let count = |folder: String| {
+        let there = |frame: &&Frame| root.join(&folder).join(&frame.name).is_file();
+        (frames.iter().filter(there).count(), Reverse(folder.clone()), folder)
+    };
+    let (count, _, folder) = folders.map(count).max()?;
+    (2 * count > frames.len()).then_some((folder, count))
 }
 
 /// The folders that have pictures, themselves or below, what is nearer first.

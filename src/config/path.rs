@@ -6,6 +6,7 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use super::problem::Problem;
+use crate::base::pattern;
 
 /// What a path must lead to.
 #[derive(Debug, Clone)]
@@ -18,6 +19,7 @@ pub struct Leads {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum To {
     File,
+    Files,
     Folder,
     FileOrFolder,
     FolderOrNothing,
@@ -27,6 +29,11 @@ impl Leads {
     /// To a file; `missing` says what to do where there is none.
     pub fn to_file(missing: impl Into<Cow<'static, str>>) -> Self {
         Leads { to: To::File, missing: missing.into() }
+    }
+
+    /// To a file, or to several where `*` stands in the path; `missing` says what to do where there is none.
+    pub fn to_files(missing: impl Into<Cow<'static, str>>) -> Self {
+        Leads { to: To::Files, missing: missing.into() }
     }
 
     /// To a folder; `missing` says what to do where there is none.
@@ -50,8 +57,15 @@ impl Leads {
             let shown = path.display().to_string();
             Problem::new(rule).got(shown.escape_debug().to_string()).hint(self.missing.clone())
         };
+        if self.to == To::Files && pattern::is_pattern(&path) && !made {
+            return match pattern::files(&path) {
+                Ok(files) if files.is_empty() => Err(wrong("no file fits, where * stands for any part of a name")),
+                Ok(_) => Ok(path),
+                Err(why) => Err(wrong(&format!("cannot be listed: {why}"))),
+            };
+        }
         match (fs::metadata(&path), self.to) {
-            (Ok(there), To::File) if there.is_dir() => Err(wrong("must be a file, and is a folder")),
+            (Ok(there), To::File | To::Files) if there.is_dir() => Err(wrong("must be a file, and is a folder")),
             (Ok(there), To::Folder | To::FolderOrNothing) if !there.is_dir() => {
                 Err(wrong("must be a folder, and is a file"))
             }
@@ -59,7 +73,7 @@ impl Leads {
             (Err(why), to) if why.kind() == ErrorKind::NotFound => match to {
                 _ if made => Ok(path),
                 To::FolderOrNothing => Ok(path),
-                To::File => Err(wrong("no such file")),
+                To::File | To::Files => Err(wrong("no such file")),
                 To::Folder => Err(wrong("no such folder")),
                 To::FileOrFolder => Err(wrong("no such file or folder")),
             },

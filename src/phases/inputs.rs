@@ -12,11 +12,15 @@ use crate::codec::poses::{PhotographFolder, Photographs};
 use crate::config::Choice;
 use crate::pipeline::{Pipeline, UpFrom};
 use crate::scene::frame::Frame;
+use crate::scene::seen::share_seen;
 use crate::scene::up::{By, Upright};
 use crate::stages::light::Mode;
 
 /// How many names are told of many.
 const TOLD: usize = 3;
+
+/// How many vertices of the mesh are tried.
+const TRIED: usize = 512;
 
 /// What the inputs of a pipeline look like.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -63,7 +67,25 @@ impl Inputs {
 pub(super) fn doubts(pipeline: &Pipeline, scene: &LoadedScene) -> Vec<String> {
     let leaning = up(pipeline).filter(|up| matches!(up.by, By::Unsure(_))).map(|up| up.to_string());
     let (unposed, masks, coarse) = (unposed(pipeline, scene), masks(pipeline, scene), scene.mesh.coarse());
-    [leaning, scene.assumed.clone(), unposed, masks, coarse, sun(pipeline)].into_iter().flatten().collect()
+    [apart(scene), leaning, scene.assumed.clone(), unposed, masks, coarse, sun(pipeline)]
+        .into_iter()
+        .flatten()
+        .collect()
+}
+
+/// Tells of a mesh that no camera sees.
+fn apart(scene: &LoadedScene) -> Option<String> {
+    let (mesh, frames) = (&scene.mesh, &scene.frames);
+    let step = mesh.positions.len().div_ceil(TRIED).max(1);
+    let points: Vec<DVec3> = mesh.positions.iter().step_by(step).map(|at| at.as_dvec3() + mesh.origin).collect();
+    if share_seen(frames, &points) > 0.0 {
+        return None;
+    }
+    let centre = frames.iter().map(|frame| frame.pose.centre()).sum::<DVec3>() / frames.len().max(1) as f64;
+    let [lies, stand] = [mesh.origin, centre].map(|at| at.to_array().map(|v| format!("{v:.1}")).join(" "));
+    Some(format!(
+        "no camera has the mesh before it: it lies about {lies}, and they stand about {stand}; both must be in the same coordinates"
+    ))
 }
 
 /// Tells of photographs without a pose.

@@ -35,7 +35,7 @@ pub(crate) use export::export_tables;
 pub(crate) use facts::Facts;
 pub(crate) use inputs::Inputs;
 pub(crate) use known::{Known, Look};
-pub(crate) use light::end_light;
+pub(crate) use light::{end_light, middle_place, middle_time};
 pub(crate) use list::PHASES;
 pub(crate) use phase::Phase;
 pub use progress::{PhaseProgress, Progress, State, share_done, time_left};

@@ -6,15 +6,14 @@ use std::sync::Arc;
 use super::cause::FORMAT;
 use super::photographs::find_photographs;
 use crate::base::ids::FrameId;
-use crate::base::input::Input;
 use crate::base::key::{Key, KeyBuilder};
 use crate::base::patience::Patience;
 use crate::base::shown::quoted;
 use crate::base::units::Bytes;
 use crate::base::{Error, PhaseName, Result};
 use crate::cache::{self, Cached};
-use crate::codec::poses::PhotographFolder;
-use crate::codec::{meshes, poses};
+use crate::codec::meshes::MeshFiles;
+use crate::codec::poses::{self, PhotographFolder};
 use crate::disk::Recipe;
 use crate::disk::{Ledger, Store};
 use crate::pipeline::{Pipeline, UpFrom};
@@ -139,14 +138,14 @@ impl LoadedScene {
         let (scene, patience) = (&pipeline.scene, Patience::default());
         let may = |bytes| fitting.check(pipeline.run.memory, bytes);
         let (mesh_key, mesh, cached) = patience.with(|| {
-            // IMPORTANT: the mesh is hashed and read from one descriptor, so that its key is that of what is cast.
-            let mut file = Input::open(&scene.mesh).map_err(Error::io("open", &scene.mesh))?;
-            let key = file.key().map_err(Error::io("read", &scene.mesh))?;
+            // IMPORTANT: the mesh is hashed and read from the same open files, so that its key is that of what is cast.
+            let mut files = MeshFiles::open(&scene.mesh)?;
+            let key = files.key()?;
             Ok(match cached(key)? {
                 Some(Cached { mesh, bvh, adjacency, degenerate }) => {
                     (key, mesh, Some(Prepared { bvh, adjacency, degenerate }))
                 }
-                None => (key, meshes::read_from(&mut file, &may)?, None),
+                None => (key, files.read(&may)?, None),
             })
         })?;
         let photographs = PhotographFolder::new(&scene.images);

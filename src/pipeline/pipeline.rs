@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use super::run::Run;
 use super::scene::Scene;
 use super::synth::{MESH, Synth};
-use crate::base::{Error, Result};
+use crate::base::{Error, Result, pattern};
 use crate::config::{Effect, Section, Setting, real};
 use crate::stages::{cast, decode, export, gather, infer, light, merge};
 use crate::synth::city;
@@ -51,7 +51,9 @@ impl Pipeline {
     pub(crate) fn may_write(&self, out: &Path) -> Result<()> {
         let Scene { mesh, images, poses, masks, .. } = &self.scene;
         let model = if let infer::Model::File(model) = &self.infer.model { Some(model) } else { None };
-        let inputs = [&self.file, mesh, images, &poses.path].into_iter().chain(masks).chain(model);
+        // A mesh may have several files.
+        let parts = pattern::files(mesh).unwrap_or_default();
+        let inputs = [&self.file, images, &poses.path].into_iter().chain(masks).chain(model).chain(&parts);
         let place = real(out);
         match inputs.into_iter().find(|input| place.starts_with(real(input))) {
             None => Ok(()),

@@ -70,7 +70,8 @@ impl Section for Scene {
     const KEYS: &'static [Key] = &[
         Key {
             name: "mesh",
-            doc: "The triangle mesh, PLY, OBJ, GLB, STL or OFF, in the coordinates of the poses. Large coordinates (UTM) are fine.",
+            doc: "The triangle mesh, PLY, OBJ, glTF, STL or OFF, in the coordinates of the poses. Large coordinates (UTM) are fine. A \
+                  * stands for any part of a name: \"tiles/*.obj\" is all of these files, as one mesh.",
             value: Value::Needed("\"mesh.ply\""),
         },
         Key {
@@ -96,7 +97,7 @@ impl Section for Scene {
     ];
 
     fn read(keys: &Keys<'_>) -> Self {
-        let mesh = Leads::to_file("put the mesh there, a PLY or OBJ file, or name it: --set scene.mesh=PATH");
+        let mesh = Leads::to_files("put the mesh there, a PLY or OBJ file, or name it: --set scene.mesh=PATH");
         let images = Leads::to_folder("put the photographs there, or name their folder: --set scene.images=PATH");
         let masks = Leads::to_folder("name the folder of masks, or take the key out if there are none");
         let Up(given) = keys.value("up");

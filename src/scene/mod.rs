@@ -13,6 +13,7 @@ pub(crate) mod moment;
 mod polygon;
 pub(crate) mod pose;
 pub(crate) mod reflectance;
+pub(crate) mod seen;
 pub(crate) mod survey;
 pub(crate) mod up;
 pub(crate) mod view;

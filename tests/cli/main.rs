@@ -16,6 +16,7 @@ mod lit;
 #[cfg(target_os = "linux")]
 mod names;
 mod outs;
+mod poses;
 mod ran;
 mod reduce;
 mod runs;

@@ -107,6 +107,33 @@ fn an_obj_is_the_same_scene_as_a_ply() {
 }
 
 #[test]
+fn tiles_are_one_mesh_and_each_of_them_counts() {
+    let dir = city();
+    let mesh = meshes::read(&dir.path().join("mesh.ply"), &|_| Ok(())).unwrap();
+    fs::create_dir(dir.path().join("tiles")).unwrap();
+    for (at, part) in mesh.triangles.chunks(mesh.len().div_ceil(3)).enumerate() {
+        let corners = part.iter().flatten().map(|&corner| mesh.positions[corner as usize].as_dvec3() + mesh.origin);
+        let vertices = corners.map(|p| format!("v {} {} {}\n", p.x, p.y, p.z));
+        let faces = (0..part.len()).map(|t| format!("f {} {} {}\n", 3 * t + 1, 3 * t + 2, 3 * t + 3));
+        fs::write(dir.path().join(format!("tiles/tile_{at}.obj")), vertices.chain(faces).collect::<String>()).unwrap();
+    }
+    fs::remove_file(dir.path().join("mesh.ply")).unwrap();
+    let gonio = |command: &str| Ran::gonio(dir.path(), &format!("{command} p.toml --set scene.mesh=tiles/tile_*.obj"));
+    gonio("check").ends(0).says("no problems");
+    gonio("plan").ends(0);
+    run(&dir, "work", "scene.mesh=tiles/tile_*.obj", 0);
+    assert_eq!(report(&dir.path().join("work"))["triangles"]["total"], mesh.len());
+    let explain = "explain --set run.work=work";
+    gonio(explain).ends(0).says("nothing");
+    let tile = dir.path().join("tiles/tile_1.obj");
+    fs::write(&tile, fs::read_to_string(&tile).unwrap() + "# another\n").unwrap();
+    gonio(explain).ends(0).says("scene.mesh");
+    Ran::gonio(dir.path(), "check p.toml --set scene.mesh=tiles/*.ply")
+        .ends(2)
+        .says("no file fits, where * stands for any part");
+}
+
+#[test]
 fn a_finished_run_can_be_looked_into() {
     let dir = city();
     let gonio = |args: &str| Ran::gonio(dir.path(), args);

@@ -44,7 +44,22 @@ impl Folder {
     pub(super) fn mesh(self, name: &str, triangles: usize) -> Folder {
         let head = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n";
         let faces = format!("element face {triangles}\nproperty list uchar int vertex_indices\nend_header\n");
-        self.with(name, &format!("{head}{faces}0 0 0\n1 0 0\n0 1 0\n{}", "3 0 1 2\n".repeat(triangles)))
+        self.with(name, &format!("{head}{faces}0 0 5\n1 0 5\n0 1 5\n{}", "3 0 1 2\n".repeat(triangles)))
+    }
+
+    /// Ground about a point of the x axis: a square 60 wide, PLY or OBJ.
+    pub(super) fn ground(self, name: &str, x: f64) -> Folder {
+        let corners = [[-30.0, -30.0], [30.0, -30.0], [30.0, 30.0], [-30.0, 30.0]].map(|[dx, y]| [x + dx, y]);
+        let lines = |start: &str| corners.map(|[x, y]| format!("{start}{x} {y} 0\n")).concat();
+        let text = if name.ends_with(".obj") {
+            format!("{}f 1 2 3 4\n", lines("v "))
+        } else {
+            let head =
+                "ply\nformat ascii 1.0\nelement vertex 4\nproperty double x\nproperty double y\nproperty double z\n";
+            let faces = "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
+            format!("{head}{faces}{}4 0 1 2 3\n", lines(""))
+        };
+        self.with(name, &text)
     }
 
     /// A cloud of points.

@@ -30,10 +30,13 @@ fn a_whole_project_is_told_and_its_file_is_good() {
     assert_eq!(found.missing(), [""; 0]);
     insta::assert_snapshot!(found.lines().join("\n"), @r"
     poses        sparse/0: colmap (COLMAP, GLOMAP), 2 frames of 40 x 30 pixels
+    lens         one without distortion, of a focal length of 50.0 pixels
     axes         up is [0.000, -1.000, 0.000], by cameras that are level but for 0.0 degrees
     photographs  images: 2 of 2
+    flight       no photograph tells when or where it was taken
+    exposure     no photograph tells how it was exposed
     masks        masks: 1 of 2 photographs have one
-    mesh         dense/meshed-poisson.ply, 188 B
+    mesh         dense/meshed-poisson.ply, 188 B, 100% of it before the cameras
     ");
     let file = not_there(folder.path()).unwrap();
     write(&file, &text(&found)).unwrap();
@@ -107,4 +110,31 @@ fn a_folder_of_nothing_is_refused() {
     let folder = Folder::new().with("a.ply", "");
     assert!(Found::at(&folder.path().join("a.ply")).unwrap_err().to_string().contains("is a file"));
     assert!(Found::at(&folder.path().join("none")).unwrap_err().to_string().contains("cannot list"));
+}
+
+#[test]
+fn the_flight_and_its_exposures_are_told() {
+    use exif::{Rational, Tag, Value};
+
+    use crate::codec::images::exif_made::{field, said, tell};
+    let folder = Folder::new().model("sparse/0", [40, 30], &["a.jpg", "b.jpg"]).mesh("mesh.ply", 1);
+    let folder = folder.picture("images/a.jpg", [40, 30]).picture("images/b.jpg", [40, 30]);
+    let taken = |name: &str, time: &str, iso: u16| {
+        let seconds = Value::Rational(vec![Rational { num: 1, denom: 500 }]);
+        let iso = field(Tag::PhotographicSensitivity, Value::Short(vec![iso]));
+        let clock = said(Tag::DateTimeOriginal, time);
+        tell(&folder.path().join("images").join(name), &[clock, field(Tag::ExposureTime, seconds), iso]);
+    };
+    taken("a.jpg", "2014:05:26 12:40:00", 100);
+    let one = told(&folder);
+    assert!(one.contains("exposure     1 of 2 photographs tell how they were exposed"), "{one}");
+    taken("b.jpg", "2014:05:26 12:50:00", 100);
+    let locked = told(&folder);
+    assert!(
+        locked.contains("flight       2014-05-26T12:50:00, by a clock of unknown zone, 10 minutes long"),
+        "{locked}"
+    );
+    assert!(locked.contains("exposure     locked: 1/500 s, ISO 100, in all of 2"), "{locked}");
+    taken("b.jpg", "2014:05:26 12:50:00", 400);
+    assert!(told(&folder).contains("exposure     not locked: 2 settings in 2"), "{}", told(&folder));
 }

@@ -2,4 +2,5 @@
 
 mod folder;
 mod found;
+mod layouts;
 mod places;

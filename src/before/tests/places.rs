@@ -83,3 +83,21 @@ fn names_that_toml_has_another_word_for_come_back() {
     let read: toml::Table = text.parse().unwrap();
     assert_eq!(read["scene"]["mesh"].as_str(), Some("my \"best\" mesh.ply"));
 }
+
+#[test]
+fn tiles_that_lie_beside_each_other_are_one_mesh_and_versions_of_one_are_not() {
+    let model = || Folder::new().model("sparse/0", SIZE, &["a.png"]).picture("images/a.png", SIZE);
+    let tile =
+        |folder: Folder, at: i32| folder.ground(&format!("Data/Tile_+00{at}/Tile_+00{at}.obj"), f64::from(at) * 55.0);
+    let tiled = (0..3).fold(model(), tile).ground("overview.obj", 55.0);
+    assert_eq!(value(&tiled, "mesh").unwrap(), "Data/Tile_*/Tile_*.obj");
+    let lines = Found::at(tiled.path()).unwrap().lines().join("\n");
+    assert!(
+        lines.contains("Data/Tile_*/Tile_*.obj, 3 files, ") && lines.contains("there is also overview.obj"),
+        "{lines}"
+    );
+    let versions = model().ground("v1/mesh_1.ply", 0.0).ground("v1/mesh_2.ply", 5.0);
+    assert_eq!(value(&versions, "mesh").unwrap(), "v1/mesh_1.ply");
+    let constant = model().ground("v1/t_1.ply", 0.0).ground("v1/t_2.ply", 60.0);
+    assert_eq!(value(&constant, "mesh").unwrap(), "v1/t_*.ply");
+}

@@ -6,6 +6,7 @@
 //!   are believed only within the size of the camera (65,535 pixels a side if there is none) and the memory that was set
 //!   aside.
 
+mod exposure;
 mod exr;
 mod hdr;
 mod jpeg;
@@ -21,6 +22,7 @@ mod tiff;
 mod transfer;
 mod write;
 
+pub(crate) use exposure::Exposure;
 pub(crate) use mask::mask_path;
 pub(crate) use need::Need;
 pub use read::{Encoded, need, read_image, size};

@@ -1,10 +1,11 @@
-//! When and where a photograph was taken, as its EXIF tells. Only the first mebibyte of a file is looked at, where cameras put it.
+//! When, where and how a photograph was taken, as its EXIF tells. Only the first mebibyte of a file is looked at, where cameras put it.
 
 use std::io::{self, Cursor, Read};
 use std::path::Path;
 
 use exif::{DateTime, Exif, In, Reader, Tag, Value};
 
+use super::exposure::Exposure;
 use crate::base::convert::Cut;
 use crate::base::input::Input;
 use crate::scene::moment::Moment;
@@ -12,13 +13,15 @@ use crate::scene::moment::Moment;
 /// The bytes of a file that are looked at.
 const MOST: u64 = 1 << 20;
 
-/// When and where a photograph was taken.
+/// When, where and how a photograph was taken.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Taken {
     /// Latitude, north positive, and longitude, east positive, degrees.
     pub place: Option<[f64; 2]>,
     /// The moment. Where the camera does not tell the zone, the receiver's clock does, which runs on UTC.
     pub time: Option<Moment>,
+    /// How it was exposed.
+    pub exposure: Exposure,
 }
 
 /// Reads what a photograph tells; nothing where it tells nothing, or nothing that can be.
@@ -37,7 +40,7 @@ pub(crate) fn taken(path: &Path) -> io::Result<Taken> {
 fn told(exif: &Exif) -> Taken {
     let camera = camera_clock(exif);
     let time = camera.filter(|moment| moment.zone.is_some()).or_else(|| receiver_clock(exif)).or(camera);
-    Taken { place: place(exif), time }
+    Taken { place: place(exif), time, exposure: Exposure::of(exif) }
 }
 
 /// The text of a tag.
@@ -101,7 +104,8 @@ pub(crate) mod tests {
 
     use super::*;
 
-    fn field(tag: Tag, value: Value) -> Field {
+    /// A tag that holds a value.
+    pub(crate) fn field(tag: Tag, value: Value) -> Field {
         Field { tag, ifd_num: In::PRIMARY, value }
     }
 
@@ -149,7 +153,7 @@ pub(crate) mod tests {
     fn a_photograph_tells_when_and_where() {
         let time = |zone| Moment::new([2014, 5, 26], [12, 45, 30], zone);
         let camera = said(Tag::DateTimeOriginal, "2014:05:26 12:45:30");
-        assert_eq!(of(std::slice::from_ref(&camera)), Taken { place: None, time: time(None) });
+        assert_eq!(of(std::slice::from_ref(&camera)), Taken { time: time(None), ..Taken::default() });
         let zone = said(Tag::OffsetTimeOriginal, "+02:00");
         let date = said(Tag::GPSDateStamp, "2014:05:26");
         let clock = numbers(Tag::GPSTimeStamp, [10.0, 45.0, 31.5]);
@@ -164,6 +168,18 @@ pub(crate) mod tests {
         ];
         let [latitude, longitude] = of(&south).place.unwrap();
         assert!((latitude + 33.51).abs() < 1e-9 && (longitude - 18.25).abs() < 1e-9, "{latitude} {longitude}");
+    }
+
+    #[test]
+    fn a_photograph_tells_how_it_was_exposed() {
+        let ratio = |num, denom| Value::Rational(vec![Rational { num, denom }]);
+        let all = |iso: u16| {
+            let iso = field(Tag::PhotographicSensitivity, Value::Short(vec![iso]));
+            of(&[field(Tag::ExposureTime, ratio(1, 800)), field(Tag::FNumber, ratio(28, 10)), iso]).exposure
+        };
+        assert_eq!((all(100).to_string().as_str(), all(100) == all(200)), ("1/800 s, f/2.8, ISO 100", false));
+        let odd = of(&[field(Tag::ExposureTime, ratio(1, 0)), field(Tag::FNumber, ratio(0, 10))]).exposure;
+        assert!(odd == Exposure::default() && !odd.is_told() && all(100).is_told());
     }
 
     #[test]

@@ -1,5 +1,7 @@
-//! Triangle meshes. Each format is a file or folder here; those that are read stand in one list (`list`).
+//! Triangle meshes. Each format is a file or folder here; those that are read stand in one list (`list`). A mesh may have several
+//! files (`files`).
 
+mod files;
 mod format;
 pub(crate) mod glb;
 mod gltf;
@@ -8,10 +10,11 @@ mod list;
 mod obj;
 mod off;
 pub(crate) mod ply;
+mod shifted;
 mod stl;
 #[cfg(test)]
 mod tests;
-mod two_passes;
 
-pub use list::read;
-pub(crate) use list::{is_named, look, read_from, sample};
+pub use files::read;
+pub(crate) use files::{MeshFiles, sample};
+pub(crate) use list::{is_named, look};

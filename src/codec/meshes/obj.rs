@@ -11,14 +11,15 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use super::format::MeshFormat;
+use super::format::{MeshFormat, alone};
 use super::lines::line_end;
 use crate::base::input::Input;
 use crate::base::{Error, Result};
 use crate::scene::survey::Polygons;
 
 /// Wavefront OBJ. Any text may begin such a file: its name decides.
-pub(crate) const OBJ: MeshFormat = MeshFormat { name: "OBJ", endings: &["obj"], begins: |_| false, tell };
+pub(crate) const OBJ: MeshFormat =
+    MeshFormat { name: "OBJ", endings: &["obj"], begins: |_| false, beside: alone, tell };
 
 /// The byte-order mark of UTF-8, as editors write it.
 const BOM: &[u8] = b"\xef\xbb\xbf";
@@ -185,14 +186,14 @@ impl Lines<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::codec::meshes::two_passes;
+    use crate::codec::meshes::files;
     use crate::scene::Mesh;
 
     fn read_text(text: &[u8]) -> Result<Mesh> {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("a.obj");
         std::fs::write(&path, text).unwrap();
-        two_passes::read(&OBJ, &mut Input::open(&path).unwrap(), &|_| Ok(()))
+        files::read(&path, &|_| Ok(()))
     }
 
     fn refusal(text: &str) -> String {

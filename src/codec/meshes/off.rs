@@ -14,7 +14,7 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use super::format::MeshFormat;
+use super::format::{MeshFormat, alone};
 use super::lines::Lines;
 use crate::base::input::Input;
 use crate::base::shown::shown;
@@ -22,7 +22,7 @@ use crate::base::{Error, Result};
 use crate::scene::survey::Polygons;
 
 /// Object File Format.
-pub(crate) const OFF: MeshFormat = MeshFormat { name: "OFF", endings: &["off"], begins, tell };
+pub(crate) const OFF: MeshFormat = MeshFormat { name: "OFF", endings: &["off"], begins, beside: alone, tell };
 
 /// The file types that begin a file.
 const TYPES: [&str; 8] = ["OFF", "COFF", "NOFF", "CNOFF", "STOFF", "STCOFF", "STNOFF", "STCNOFF"];

@@ -13,7 +13,7 @@ use std::io::{BufReader, Read};
 
 use glam::DVec3;
 
-use super::format::MeshFormat;
+use super::format::{MeshFormat, alone};
 use super::lines::Lines;
 use crate::base::input::Input;
 use crate::base::shown::shown;
@@ -22,7 +22,7 @@ use crate::scene::survey::Polygons;
 
 /// STL.
 pub(crate) const STL: MeshFormat =
-    MeshFormat { name: "STL", endings: &["stl"], begins: |start| start.starts_with(b"solid "), tell };
+    MeshFormat { name: "STL", endings: &["stl"], begins: |start| start.starts_with(b"solid "), beside: alone, tell };
 
 /// The bytes before the triangles of a binary file, and those of a triangle.
 const HEAD: u64 = 84;

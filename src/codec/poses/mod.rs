@@ -29,7 +29,7 @@ mod realitycapture;
 mod tanks_and_temples;
 mod terms;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 mod transforms;
 mod whole;
 mod words;
@@ -37,10 +37,10 @@ mod xml;
 
 pub(crate) use alike::{Alike, resolve};
 pub use colmap::COLMAP;
-#[cfg(test)]
-pub(crate) use format::Posed;
-pub(crate) use format::{PoseFormat, Target};
+pub(crate) use format::{PoseFormat, Posed, Target};
 pub(crate) use list::{FORMATS, NAMES};
+pub(crate) use metashape::METASHAPE;
+pub(crate) use opendronemap::OPENDRONEMAP;
 pub use photographs::{NoPhotographs, PhotographFolder, Photographs};
 pub use read::read;
 pub(crate) use read::{formats_at, look};

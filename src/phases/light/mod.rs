@@ -11,5 +11,5 @@ mod solve;
 pub(crate) use file::{DOME, LIGHT};
 pub(crate) use found::FoundLight;
 pub(crate) use frozen::{FrozenLight, end_light};
-pub(crate) use occasion::Occasion;
+pub(crate) use occasion::{Occasion, middle_place, middle_time};
 pub(crate) use phase::Light;

@@ -110,7 +110,7 @@ fn zones(time: Moment, longitude: f64) -> Vec<i32> {
 }
 
 /// The median of latitudes, and that of longitudes, which are counted from the first of them, since they go round.
-fn middle_place(told: &[Taken]) -> Option<[f64; 2]> {
+pub(crate) fn middle_place(told: &[Taken]) -> Option<[f64; 2]> {
     let places: Vec<[f64; 2]> = told.iter().filter_map(|taken| taken.place).collect();
     let first = places.first()?[1];
     let around = |longitude: f64| (longitude - first + 180.0).rem_euclid(360.0) - 180.0;
@@ -125,7 +125,7 @@ fn middle(mut values: Vec<f64>) -> Option<f64> {
 }
 
 /// The median moment, and seconds from it to the first and the last. Where some photographs tell the zone, those alone count.
-fn middle_time(told: &[Taken]) -> Option<(Moment, [i64; 2])> {
+pub(crate) fn middle_time(told: &[Taken]) -> Option<(Moment, [i64; 2])> {
     let times = || told.iter().filter_map(|taken| taken.time);
     let zoned = times().any(|time| time.zone.is_some());
     let mut times: Vec<(i64, Moment)> = times()
@@ -142,7 +142,7 @@ mod tests {
     use super::*;
 
     fn at(hour: i64, zone: Option<i32>) -> Taken {
-        Taken { time: Moment::new([2014, 5, 26], [hour, 0, 0], zone), place: None }
+        Taken { time: Moment::new([2014, 5, 26], [hour, 0, 0], zone), ..Taken::default() }
     }
 
     #[test]
@@ -157,7 +157,7 @@ mod tests {
 
     #[test]
     fn the_median_place_may_lie_where_longitudes_meet() {
-        let at = |longitude| Taken { place: Some([-17.0, longitude]), time: None };
+        let at = |longitude| Taken { place: Some([-17.0, longitude]), ..Taken::default() };
         let [latitude, longitude] = middle_place(&[at(179.9), at(-179.9), at(-179.8)]).unwrap();
         assert!((latitude + 17.0).abs() < 1e-9 && (longitude + 179.9).abs() < 1e-9, "{latitude} {longitude}");
         assert_eq!(middle_place(&[Taken::default()]), None);

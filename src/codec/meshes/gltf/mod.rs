@@ -1,45 +1,57 @@
-//! glTF 2.0, read from one binary file (GLB; Khronos glTF 2.0 specification, section 4): the triangles of all meshes of its
-//! scene, where its nodes put them.
+//! glTF 2.0 (Khronos glTF 2.0 specification), read from one binary file, .glb, or from a .gltf with its buffers beside it or in
+//! it: the triangles of all meshes of its scene, where its nodes put them.
 //!
-//! - Positions are 32-bit floats in the file's own chunk; they become 64-bit before they are moved, so a node may hold a
+//! - Positions are 32-bit floats; they become 64-bit before they are moved, so a node may hold a
 //!   large offset. Indices may be 8, 16 or 32 bits, or missing. Strips and fans become triangles; points and lines are
 //!   passed over.
-//! - Draco, meshopt, quantised or sparse positions, and buffers in other files are refused by name.
+//! - Draco, meshopt, quantised or sparse positions, and buffers outside of the file's folder are refused by name.
 //! - What is held is the JSON; positions and indices are read where they lie.
 
+mod buffers;
+mod document;
 mod elements;
 
-use std::io::{Read, Seek, SeekFrom};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
+use ::gltf::Node;
 use ::gltf::mesh::Mode;
-use ::gltf::{Document, Node};
 use glam::{DMat4, DVec3};
 
 use super::format::MeshFormat;
-use crate::base::guard::guarded;
 use crate::base::input::Input;
-use crate::base::shown::{brief, shown};
 use crate::base::{Error, Result};
 use crate::scene::survey::Polygons;
-use elements::Chunk;
+use buffers::Place;
+use document::Chunk;
+use elements::Elements;
 
 /// glTF.
 pub(crate) const GLTF: MeshFormat =
-    MeshFormat { name: "GLB", endings: &["glb", "gltf"], begins: |start| start.starts_with(b"glTF"), tell };
+    MeshFormat { name: "glTF", endings: &["glb", "gltf"], begins: |start| start.starts_with(b"glTF"), beside, tell };
 
-/// The most bytes of JSON: some million nodes.
-const LARGEST_JSON: u64 = 256 << 20;
+/// The files beside a .gltf that hold its buffers.
+fn beside(file: &mut Input) -> Result<Vec<PathBuf>> {
+    let path = file.path().to_owned();
+    let (document, chunk) = document::read(file)?;
+    let mut all = Vec::new();
+    for buffer in document.buffers() {
+        let place = Place::of(&buffer, chunk, folder(&path));
+        match place.map_err(|why| Error::malformed(&path, format!("buffer {}: {why}", buffer.index())))? {
+            Place::Beside(other) if !all.contains(&other) => all.push(other),
+            _ => {}
+        }
+    }
+    Ok(all)
+}
 
-/// The extensions that keep positions in another form.
-const OTHER_FORMS: [&str; 4] =
-    ["KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression", "KHR_mesh_quantization"];
+fn folder(path: &Path) -> &Path {
+    path.parent().unwrap_or(Path::new(""))
+}
 
 fn tell(file: &mut Input, to: &mut dyn Polygons) -> Result<()> {
     let path = file.path().to_owned();
-    let (json, chunk) = parts(file, &path)?;
+    let (document, chunk) = document::read(file)?;
     let fault = |why: String| Error::malformed(&path, why);
-    let document = document(&json).map_err(fault)?;
     let scene = document.default_scene().or_else(|| document.scenes().next());
     let scene = scene.ok_or_else(|| fault("it has no scene".to_owned()))?;
     // Nodes are a tree: one that comes twice leads round.
@@ -60,60 +72,6 @@ fn tell(file: &mut Input, to: &mut dyn Polygons) -> Result<()> {
         left.extend(below.into_iter().rev().map(|child| (child, world)));
     }
     Ok(())
-}
-
-/// The JSON of a file, and where its binary chunk lies.
-fn parts(file: &mut Input, path: &Path) -> Result<(Vec<u8>, Option<Chunk>)> {
-    let length = file.length();
-    let fault = |why: &str| Error::malformed(path, why);
-    let mut head = [0; 20];
-    let short = |why: std::io::Error| match why.kind() {
-        std::io::ErrorKind::UnexpectedEof => fault("the file ends within its head"),
-        _ => Error::io("read", path)(why),
-    };
-    file.read_exact(&mut head).map_err(short)?;
-    let number = |at: usize| head[at..at + 4].iter().rev().fold(0u32, |all, byte| all << 8 | u32::from(*byte));
-    if &head[..4] != b"glTF" {
-        let advice = "a .gltf keeps its positions in other files: save it as .glb, which is one file";
-        return Err(fault(&format!("this is no GLB: {advice}")));
-    }
-    if (number(4), number(16)) != (2, u32::from_le_bytes(*b"JSON")) {
-        return Err(fault("it is no GLB of version 2 that begins with JSON"));
-    }
-    let bytes = u64::from(number(12));
-    if bytes > LARGEST_JSON || bytes + 20 > length {
-        return Err(fault(&format!("its JSON is said to have {bytes} bytes, and the file has {length}")));
-    }
-    let mut json = Vec::new();
-    Read::take(&mut *file, bytes).read_to_end(&mut json).map_err(Error::io("read", path))?;
-    let start = 20 + bytes;
-    let mut head = [0; 8];
-    if start + 8 > length {
-        return Ok((json, None));
-    }
-    file.seek(SeekFrom::Start(start)).map_err(Error::io("read", path))?;
-    file.read_exact(&mut head).map_err(short)?;
-    let chunk = u64::from(u32::from_le_bytes([head[0], head[1], head[2], head[3]]));
-    if &head[4..] != b"BIN\0" {
-        return Ok((json, None));
-    }
-    if start + 8 + chunk > length {
-        return Err(fault(&format!("its binary chunk is said to have {chunk} bytes; the file was cut short")));
-    }
-    Ok((json, Some(Chunk { start: start + 8, length: chunk })))
-}
-
-/// The document of a JSON text, whose indices all lead somewhere.
-fn document(json: &[u8]) -> Result<Document, String> {
-    let mut root = ::gltf::json::deserialize::from_slice::<::gltf::json::Root>(json).map_err(|why| brief(&why))?;
-    if let Some(other) = root.extensions_required.iter().find(|name| OTHER_FORMS.contains(&name.as_str())) {
-        return Err(format!("its positions are compressed by {}, which is not read: export without it", shown(other)));
-    }
-    // What else a viewer must have does not move a vertex.
-    root.extensions_required.clear();
-    // The check of indices panics where a list is shorter than an index into it.
-    let checked = guarded(|| Document::from_json(root));
-    checked.map_err(|why| format!("its JSON leads nowhere: {why}"))?.map_err(|why| brief(&why))
 }
 
 /// What has been told so far.
@@ -137,7 +95,7 @@ impl Told<'_> {
             let path = self.path;
             let positions = primitive.get(&::gltf::Semantic::Positions);
             let positions = positions.ok_or_else(|| fault(path, "it has no positions".to_owned()))?;
-            let places = elements::Elements::positions(&positions, self.chunk).map_err(|why| fault(path, why))?;
+            let places = Elements::positions(&positions, (self.chunk, folder(path))).map_err(|why| fault(path, why))?;
             let first = self.vertices;
             let to = &mut *self.to;
             places.each(self.file, |[x, y, z]| {
@@ -165,7 +123,8 @@ impl Told<'_> {
             match primitive.indices() {
                 None => (0..count).try_for_each(&mut corner)?,
                 Some(indices) => {
-                    let list = elements::Elements::indices(&indices, self.chunk).map_err(|why| fault(path, why))?;
+                    let list =
+                        Elements::indices(&indices, (self.chunk, folder(path))).map_err(|why| fault(path, why))?;
                     list.each_index(self.file, corner)?;
                 }
             }

@@ -6,7 +6,7 @@ use super::header::{Encoding, Header};
 use super::{ascii, binary};
 use crate::base::input::Input;
 use crate::base::{Error, Result};
-use crate::codec::meshes::format::MeshFormat;
+use crate::codec::meshes::format::{MeshFormat, alone};
 use crate::scene::survey::Polygons;
 
 /// The Stanford polygon format. Vertices are read in f64 whatever their type.
@@ -14,6 +14,7 @@ pub(crate) const PLY: MeshFormat = MeshFormat {
     name: "PLY",
     endings: &["ply"],
     begins: |start| matches!(start.strip_prefix(b"ply"), Some([b'\n' | b'\r' | b' ' | b'\t', ..])),
+    beside: alone,
     tell,
 };
 

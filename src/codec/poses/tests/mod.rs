@@ -5,7 +5,7 @@ mod damaged;
 mod real;
 mod refused;
 mod same_rays;
-mod writers;
+pub(crate) mod writers;
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -44,7 +44,7 @@ impl Photographs for Listed {
 
 /// What the lenses of a format can say.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Says {
+pub(crate) enum Says {
     /// A principal point and nothing else.
     Pinhole,
     /// Two radial terms about the image's centre.
@@ -81,7 +81,7 @@ fn lens(says: Says) -> Lens {
 }
 
 /// One scene: a look straight down, oblique ones, and one that is turned on its side.
-fn scene(says: Says) -> Vec<Frame> {
+pub(crate) fn scene(says: Says) -> Vec<Frame> {
     let camera = Arc::new(Camera::new(SIZE.width.into(), SIZE.height.into(), lens(says)).unwrap());
     let looks = [
         (DVec3::new(1.0, -2.0, 40.0), DVec3::new(1.5, -1.0, 0.0), DVec3::Y),
@@ -98,7 +98,7 @@ fn scene(says: Says) -> Vec<Frame> {
 }
 
 /// How far, in pixels, what one frame sees is from where the other sees it, at worst over the image.
-fn apart(a: &Frame, b: &Frame) -> f64 {
+pub(crate) fn apart(a: &Frame, b: &Frame) -> f64 {
     let mut worst = 0.0f64;
     let along = |side: u32| (0..=8).map(move |step| f64::from(side) * f64::from(step) / 8.0);
     for pixel in along(a.camera.height).flat_map(|y| along(a.camera.width).map(move |x| DVec2::new(x, y))) {
@@ -113,7 +113,7 @@ fn apart(a: &Frame, b: &Frame) -> f64 {
 }
 
 /// Writes files into a folder.
-fn write(folder: &Path, files: &BTreeMap<String, Vec<u8>>) {
+pub(crate) fn write(folder: &Path, files: &BTreeMap<String, Vec<u8>>) {
     for (name, bytes) in files {
         let path = folder.join(name);
         std::fs::create_dir_all(path.parent().unwrap()).unwrap();

@@ -16,10 +16,10 @@ use crate::scene::camera::{Camera, Projection};
 use crate::scene::frame::Frame;
 
 /// Files by their names.
-pub(super) type Files = BTreeMap<String, Vec<u8>>;
+pub(crate) type Files = BTreeMap<String, Vec<u8>>;
 
 /// A way to write a format.
-pub(super) struct Written {
+pub(crate) struct Written {
     pub name: &'static str,
     pub format: &'static PoseFormat,
     pub says: Says,
@@ -31,7 +31,7 @@ const fn written(at: usize, name: &'static str, says: Says, write: fn(&[Frame]) 
 }
 
 /// Every way to write a format; the formats by their places in the list.
-pub(super) const WRITTEN: &[Written] = &[
+pub(crate) const WRITTEN: &[Written] = &[
     written(0, "colmap, binary", Says::Brown4, texts::colmap_binary),
     written(0, "colmap, text", Says::Brown4, texts::colmap_text),
     written(1, "opendronemap", Says::Brown, json::opendronemap),
