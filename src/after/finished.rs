@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use crate::base::{Error, PhaseName, Result};
+use crate::base::{Array, Error, PhaseName, Result};
 use crate::disk::Recipe;
 use crate::disk::{DirStore, Ledger, Store};
 use crate::flow::pool;
@@ -13,6 +13,7 @@ use crate::pipeline::Pipeline;
 use crate::stages::light::Mode;
 use crate::stages::merge::Materials;
 use crate::stages::scene_light::SunAndSky;
+use crate::trace::Bvh;
 
 /// A finished run.
 pub(super) struct Finished {
@@ -60,6 +61,19 @@ impl Finished {
         };
         Ok(Finished { scene, materials, tables, light })
     }
+}
+
+/// A finished run over its scene, ready to be rendered.
+#[derive(Clone, Copy)]
+pub(super) struct Over<'a> {
+    /// The pipeline.
+    pub pipeline: &'a Pipeline,
+    /// The run.
+    pub finished: &'a Finished,
+    /// The hierarchy over the mesh.
+    pub bvh: &'a Bvh,
+    /// The share of the sky that each triangle sees.
+    pub visibility: &'a Array<f32>,
 }
 
 /// Checks that the folder of an output file exists.

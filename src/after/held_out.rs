@@ -5,14 +5,13 @@
 //! exposed is not known: where exposures are solved for, each rendering is first brought to the photograph's by the median of
 //! their ratios.
 
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 
-use super::finished::Finished;
-use super::picture::{self, as_decoded};
+use super::finished::{Finished, Over};
+use super::picture::{Light, as_decoded, lighting, with_shares};
 use crate::base::Result;
 use crate::codec::images::to_srgb;
 use crate::light::luma;
-use crate::pipeline::Pipeline;
 use crate::render::pictures::PictureErrors;
 use crate::render::relight::Rendering;
 use crate::render::{Lighting, relight};
@@ -20,8 +19,6 @@ use crate::scene::Material;
 use crate::scene::evidence::Evidence;
 use crate::scene::frame::LinearImage;
 use crate::stages::decode::Exposure;
-use crate::trace::sky_visibility;
-use crate::trace::visibility::SKY_RAYS;
 
 /// How well photographs that were left out are foretold.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -39,19 +36,12 @@ const DARK: f32 = 0.004;
 
 /// Compares the photographs that were left out with renderings of a finished run, of `beside`, and of the mean radiance of every
 /// triangle as it is; `None` if none was left out or no light is known to render in.
-pub(super) fn held_out(
-    pipeline: &Pipeline,
-    finished: &Finished,
-    beside: Option<&[Material]>,
-) -> Result<Option<HeldOut>> {
-    let Finished { scene, materials, light, .. } = finished;
+pub(super) fn held_out(over: Over<'_>, beside: Option<&[Material]>) -> Result<Option<HeldOut>> {
+    let Over { pipeline, finished: Finished { scene, materials, light, .. }, bvh, visibility } = over;
     let Some(light) = light.filter(|_| !scene.held_out.is_empty()) else { return Ok(None) };
-    let (mesh, bvh) = (&scene.mesh, scene.bvh());
-    let up = DVec3::from(pipeline.scene.up).normalize().as_vec3();
-    let visibility = sky_visibility(mesh, &bvh, up, SKY_RAYS, 0..mesh.len()).into();
-    let lit =
-        Lighting { up, visibility, bounce: light.bounce, background: Vec3::NAN, ..Lighting::new(light.sun, light.sky) };
-    let bare = Lighting { background: Vec3::NAN, ..picture::lighting(picture::Light::None, up.as_dvec3())? };
+    let (mesh, up) = (&scene.mesh, pipeline.scene.zenith());
+    let lit = with_shares(light, up, visibility);
+    let bare = Lighting { background: Vec3::NAN, ..lighting(Light::None, up.as_dvec3())? };
     let mean =
         |row: &[f32; Evidence::LEN]| Material { kd: Evidence::from_array(*row).mean_radiance, ks: [0.0; 3], r: 1.0 };
     let mut estimates: Vec<(&str, Vec<Material>, &Lighting)> = vec![
@@ -71,11 +61,12 @@ pub(super) fn held_out(
             }
         };
         let frame = as_decoded(pipeline, posed);
-        let shown = relight(mesh, &bvh, &estimates[0].1, &frame, &lit)?;
-        for ((_, estimate, light), (_, errors)) in estimates.iter().zip(&mut told.estimates) {
-            let found = relight(mesh, &bvh, estimate, &frame, light)?;
-            let gain = if pipeline.decode.exposure == Exposure::Solve { gain(&photograph, &found) } else { 1.0 };
-            errors.merge(&compared(&photograph, &shown, &found, gain));
+        let rendered = estimates.iter().map(|(_, estimate, light)| relight(mesh, bvh, estimate, &frame, light));
+        let rendered: Vec<Rendering> = rendered.collect::<Result<_>>()?;
+        for (found, (_, errors)) in rendered.iter().zip(&mut told.estimates) {
+            let gain = if pipeline.decode.exposure == Exposure::Solve { gain(&photograph, found) } else { 1.0 };
+            // What the mesh covers is what the run's own rendering shows.
+            errors.merge(&compared(&photograph, &rendered[0], found, gain));
         }
         told.frames += 1;
     }

@@ -6,9 +6,9 @@ use std::path::Path;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-use super::finished::Finished;
+use super::finished::{Finished, Over};
 use super::held_out::{HeldOut, held_out};
-use super::picture::{Light, as_decoded, lighting};
+use super::picture::{Light, as_decoded, lighting, with_shares};
 use crate::base::ids::TriangleId;
 use crate::base::{Array, Error, Result};
 use crate::codec::tables::npy;
@@ -78,33 +78,30 @@ pub(crate) fn judge(pipeline: &Pipeline, judge: Judge<'_>) -> Result<(Vec<Judged
         ));
     }
     pool::share(pipeline.run.threads(), || {
-        let truth =
-            truth.map(|truth| judged(pipeline, &finished, &truth, beside.as_deref(), judge.frames)).transpose()?;
-        Ok((truth.unwrap_or_default(), held_out(pipeline, &finished, beside.as_deref())?))
+        let (scene, beside) = (&finished.scene, beside.as_deref());
+        let (bvh, all) = (scene.bvh(), 0..scene.mesh.len());
+        let visibility = sky_visibility(&scene.mesh, &bvh, pipeline.scene.zenith(), SKY_RAYS, all).into();
+        let over = Over { pipeline, finished: &finished, bvh: &bvh, visibility: &visibility };
+        let truth = truth.map(|truth| judged(over, &truth, beside, judge.frames)).transpose()?;
+        Ok((truth.unwrap_or_default(), held_out(over, beside)?))
     })?
 }
 
-fn judged(
-    pipeline: &Pipeline,
-    finished: &Finished,
-    truth: &[Material],
-    beside: Option<&[Material]>,
-    frames: usize,
-) -> Result<Vec<Judged>> {
-    let Finished { scene, materials, .. } = finished;
+fn judged(over: Over<'_>, truth: &[Material], beside: Option<&[Material]>, frames: usize) -> Result<Vec<Judged>> {
+    let Over { pipeline, finished: Finished { scene, materials, light, .. }, bvh, visibility } = over;
     let evidence: Vec<Evidence> = materials.evidence.iter().map(|row| Evidence::from_array(*row)).collect();
     let seen: Vec<bool> = evidence.iter().map(|e| e.filled == Filled::Observed).collect();
     if !seen.contains(&true) {
         return Err(Error::invalid("no triangle was seen: there is nothing to judge"));
     }
-    let (mesh, bvh) = (&scene.mesh, scene.bvh());
+    let mesh = &scene.mesh;
     let mean: Vec<[f32; 3]> = evidence.iter().map(|e| e.mean_radiance).collect();
     let mut estimates = vec![
         ("estimate", materials.rows.iter().copied().map(Material::from).collect()),
         ("mean radiance as kd, ks 0, r 0.5", diffuse_guess(&mean)),
     ];
-    if let Some(light) = finished.light {
-        let light = SceneLight::new(light, mesh, &bvh, pipeline.scene.up);
+    if let Some(light) = light {
+        let light = SceneLight::new(*light, mesh, bvh, pipeline.scene.up);
         estimates.push(("Lambertian in the known light", lambertian(&light, &mean)));
     }
     estimates.extend(beside.map(|beside| ("beside", beside.to_vec())));
@@ -114,16 +111,15 @@ fn judged(
     // What is not to be compared is no number in the pictures of the truth.
     let nothing = Material::from([f32::NAN; Material::LEN]);
     let compared: Vec<Material> = truth.iter().zip(&seen).map(|(m, seen)| if *seen { *m } else { nothing }).collect();
-    let lights =
-        lights(pipeline, finished.light, sky_visibility(mesh, &bvh, up(pipeline), SKY_RAYS, 0..mesh.len()).into())?;
+    let lights = lights(pipeline, *light, visibility)?;
     let mut sums = vec![vec![PixelErrors::default(); lights.len()]; estimates.len()];
     let count = frames.clamp(1, scene.frames.len());
     for posed in (0..count).map(|i| &scene.frames[i * scene.frames.len() / count]) {
         let frame = as_decoded(pipeline, posed);
         for (at, light) in lights.iter().enumerate() {
-            let wanted = relight(mesh, &bvh, &compared, &frame, light)?;
+            let wanted = relight(mesh, bvh, &compared, &frame, light)?;
             for ((_, estimate), sums) in estimates.iter().zip(&mut sums) {
-                sums[at].add(&wanted.rgb, &relight(mesh, &bvh, estimate, &frame, light)?.rgb);
+                sums[at].add(&wanted.rgb, &relight(mesh, bvh, estimate, &frame, light)?.rgb);
             }
         }
     }
@@ -136,22 +132,14 @@ fn judged(
 }
 
 /// The light of the photographs, if there is one, and then the other suns.
-fn lights(pipeline: &Pipeline, known: Option<SunAndSky>, visibility: Array<f32>) -> Result<Vec<Lighting>> {
+fn lights(pipeline: &Pipeline, known: Option<SunAndSky>, visibility: &Array<f32>) -> Result<Vec<Lighting>> {
     let sky = known.map_or(Vec3::splat(SKY), |light| light.sky);
-    let under = |sun| {
-        let background = Vec3::NAN;
-        Lighting { up: up(pipeline), visibility: visibility.clone(), background, ..Lighting::new(sun, sky) }
-    };
+    let over = |light| with_shares(light, pipeline.scene.zenith(), visibility);
     let others = SUNS.iter().map(|&(elevation_deg, azimuth_deg)| {
         let light = Light::Sun { elevation_deg, azimuth_deg, sky: SKY };
-        lighting(light, DVec3::from(pipeline.scene.up)).map(|lighting| lighting.sun)
+        lighting(light, DVec3::from(pipeline.scene.up)).map(|lighting| over(SunAndSky::new(lighting.sun, sky)))
     });
-    let bounced = |light: SunAndSky| Ok(Lighting { bounce: light.bounce, ..under(light.sun) });
-    known.map(bounced).into_iter().chain(others.map(|sun| sun.map(under))).collect()
-}
-
-fn up(pipeline: &Pipeline) -> Vec3 {
-    DVec3::from(pipeline.scene.up).normalize().as_vec3()
+    known.map(|light| Ok(over(light))).into_iter().chain(others).collect()
 }
 
 /// Least squares of a matt surface in a known light: its mean radiance over that of a white one; the middle where there is

@@ -5,7 +5,7 @@ use std::path::Path;
 use glam::{DMat3, DVec3, Vec3};
 
 use super::finished::{Finished, writable};
-use crate::base::{Error, Result};
+use crate::base::{Array, Error, Result};
 use crate::codec::images::{Size, read_image, to_srgb8, write_png};
 use crate::flow::pool;
 use crate::pipeline::Pipeline;
@@ -14,6 +14,7 @@ use crate::render::{Lighting, relight};
 use crate::scene::Material;
 use crate::scene::frame::{Frame, LinearImage};
 use crate::scene::light::Sun;
+use crate::stages::scene_light::SunAndSky;
 use crate::trace::sky_visibility;
 use crate::trace::visibility::SKY_RAYS;
 
@@ -90,6 +91,13 @@ pub(super) fn lighting(light: Light, up: DVec3) -> Result<Lighting> {
     let direction = axes * DVec3::new(a.cos() * e.cos(), a.sin() * e.cos(), e.sin());
     let sun = Sun { direction: direction.as_vec3().normalize(), color: Vec3::ONE };
     Ok(Lighting { up: up.as_vec3(), ..Lighting::new(sun, Vec3::splat(sky)) })
+}
+
+/// A sun and a sky over a scene whose zenith is `up`, with each triangle's share of the sky. Nothing lies behind the
+/// mesh: those pixels are no numbers.
+pub(super) fn with_shares(light: SunAndSky, up: Vec3, visibility: &Array<f32>) -> Lighting {
+    let SunAndSky { sun, sky, bounce, .. } = light;
+    Lighting { up, bounce, visibility: visibility.clone(), background: Vec3::NAN, ..Lighting::new(sun, sky) }
 }
 
 fn side_by_side(photograph: &LinearImage, picture: &Rendering) -> Vec<[u8; 3]> {

@@ -9,6 +9,7 @@ use super::photographs::{self, Fit, Photographs};
 use super::usual::{IMAGES, MESH, formats};
 use crate::base::shown::quoted;
 use crate::codec::poses::{COLMAP, METASHAPE};
+use crate::scene::seen::middle;
 
 impl Found {
     /// What is missing, and how it is made, a few lines each.
@@ -62,10 +63,7 @@ impl Found {
             return None;
         }
         let centres: Vec<DVec3> = cameras.frames.iter().map(|frame| frame.pose.centre()).collect();
-        let [stand, lies] = [&centres, &mesh.points].map(|all| {
-            let middle = all.iter().sum::<DVec3>() / all.len().max(1) as f64;
-            middle.to_array().map(|v| format!("{v:.1}")).join(" ")
-        });
+        let (stand, lies) = (middle(&centres), middle(&mesh.points));
         let advice = if *cameras.format == METASHAPE {
             "export it once more: in geocentric coordinates (EPSG:4978) where the chunk is georeferenced, and without a shift"
         } else {

@@ -111,7 +111,7 @@ impl<'a> Keys<'a> {
 
     /// A text that is parsed further. An error of `parse` says what is allowed.
     pub fn parsed<T: Default>(&self, key: &'static str, parse: impl Fn(&str) -> Result<T, String>) -> T {
-        self.read(key, |node| Ok(parse(&String::from_toml(node)?)?)).unwrap_or_default()
+        self.optional_parsed(key, parse).unwrap_or_default()
     }
 
     /// A text that may be missing, parsed further.

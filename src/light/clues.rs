@@ -134,16 +134,16 @@ impl<'a> Clues<'a> {
 
     /// The comparison with the light that surfaces send each other, where that explains better what was seen. They are as
     /// bright as the photographs show them. Photographs of the world have that light, and most rendered ones have not.
-    fn bounced(&self, plain: &Comparison<'a>, found: &Candidate, settings: &Settings) -> Option<Comparison<'_>> {
+    fn bounced<'s>(&'s self, plain: &Comparison<'s>, found: &Candidate, settings: &Settings) -> Option<Comparison<'s>> {
         let all = &self.patches.all;
         let area: f32 = all.iter().map(|patch| patch.area).sum();
         let mean = |c: usize| all.iter().map(|patch| patch.area * patch.radiance[c]).sum::<f32>() / area;
         let lit = self.patches.sun(found.sun, POINTS);
-        let cost = |mut comparison: Comparison<'_>| {
+        let cost = |mut comparison: Comparison<'s>| {
             let ratio = self.ratio(&mut comparison, found, settings);
             comparison.fit_scales(&lit, ratio, &self.pairs)
         };
-        let bounced = Comparison::of(&self.patches, plain).with_bounce([mean(0), mean(1), mean(2)]);
+        let bounced = plain.with_bounce([mean(0), mean(1), mean(2)]);
         (cost(bounced.clone()) < cost(plain.clone())).then_some(bounced)
     }
 

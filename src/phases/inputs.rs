@@ -12,7 +12,7 @@ use crate::codec::poses::{PhotographFolder, Photographs};
 use crate::config::Choice;
 use crate::pipeline::{Pipeline, UpFrom};
 use crate::scene::frame::Frame;
-use crate::scene::seen::share_seen;
+use crate::scene::seen::{middle, share_seen};
 use crate::scene::up::{By, Upright};
 use crate::stages::light::Mode;
 
@@ -81,8 +81,8 @@ fn apart(scene: &LoadedScene) -> Option<String> {
     if share_seen(frames, &points) > 0.0 {
         return None;
     }
-    let centre = frames.iter().map(|frame| frame.pose.centre()).sum::<DVec3>() / frames.len().max(1) as f64;
-    let [lies, stand] = [mesh.origin, centre].map(|at| at.to_array().map(|v| format!("{v:.1}")).join(" "));
+    let centres: Vec<DVec3> = frames.iter().map(|frame| frame.pose.centre()).collect();
+    let (lies, stand) = (middle(&[mesh.origin]), middle(&centres));
     Some(format!(
         "no camera has the mesh before it: it lies about {lies}, and they stand about {stand}; both must be in the same coordinates"
     ))

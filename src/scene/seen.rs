@@ -16,6 +16,12 @@ pub(crate) fn share_seen(frames: &[Frame], points: &[DVec3]) -> f64 {
     if seen == 0 { 0.0 } else { seen as f64 / points.len() as f64 }
 }
 
+/// The middle of some points, in words.
+pub(crate) fn middle(points: &[DVec3]) -> String {
+    let middle = points.iter().sum::<DVec3>() / points.len().max(1) as f64;
+    middle.to_array().map(|v| format!("{v:.1}")).join(" ")
+}
+
 /// Whether a point lies in the image of a frame.
 fn sees(Frame { camera, pose, .. }: &Frame, point: DVec3) -> bool {
     let inside = |at: f64, side: u32| (0.0..f64::from(side)).contains(&at);

@@ -273,11 +273,7 @@ impl Map for Infer<'_> {
 /// Adds what the light's doubt makes of kd and ks, which are measured by it.
 fn widen(deviation: &mut [f32; Material::LEN], material: &[f32; Material::LEN], doubt: Vec3) {
     for (at, (deviation, value)) in deviation.iter_mut().zip(material).take(6).enumerate() {
-        let doubt = doubt[at % 3] * value;
-        // Without a doubt not a bit of it changes.
-        if doubt > 0.0 {
-            *deviation = deviation.hypot(doubt);
-        }
+        *deviation = deviation.hypot(doubt[at % 3] * value);
     }
 }
 

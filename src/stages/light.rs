@@ -1,8 +1,8 @@
 //! Section `[light]`: where the light that the photographs were taken in is known from.
 
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 
-use super::scene_light::{Doubts, SunAndSky};
+use super::scene_light::SunAndSky;
 use crate::config::{Choice, Effect, Key, Keys, Problem, Section, Settings, Value};
 use crate::light::ephemeris::{elevation, in_mesh, sun_over};
 use crate::scene::light::Sun;
@@ -208,12 +208,7 @@ impl Config {
     pub fn known(&self) -> Option<SunAndSky> {
         let vector = |v: [f64; 3]| DVec3::from(v).as_vec3();
         let sun = Sun { direction: vector(self.sun).normalize_or_zero(), color: vector(self.color) };
-        (self.mode == Mode::Known).then(|| SunAndSky {
-            sun,
-            sky: vector(self.sky),
-            bounce: Vec3::ZERO,
-            doubts: Doubts::default(),
-        })
+        (self.mode == Mode::Known).then(|| SunAndSky::new(sun, vector(self.sky)))
     }
 }
 

@@ -46,7 +46,7 @@ impl Section for Config {
 pub(crate) const VERSION: u32 = 3;
 /// The table of materials, [F,7].
 pub(crate) const MATERIALS: &str = "materials.npy";
-/// The table of the evidence behind them, [F,17].
+/// The table of the evidence behind them, [F,18].
 pub(crate) const EVIDENCE: &str = "evidence.npy";
 
 /// The most memory that merging holds for this many triangles, in bytes.

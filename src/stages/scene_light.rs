@@ -21,6 +21,13 @@ pub struct SunAndSky {
     pub doubts: Doubts,
 }
 
+impl SunAndSky {
+    /// A light that is in no doubt, of a sun and a sky alone.
+    pub(crate) fn new(sun: Sun, sky: Vec3) -> Self {
+        SunAndSky { sun, sky, bounce: Vec3::ZERO, doubts: Doubts::default() }
+    }
+}
+
 /// How far a light may be from the truth: standard deviations. Its scale is a convention, and in no doubt.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Doubts {
@@ -139,8 +146,8 @@ mod tests {
         let mesh = Mesh::new(&corner, vec![[0, 1, 2]]).unwrap();
         let bvh = Bvh::build(&mesh);
         let none = Sun { direction: Vec3::Z, color: Vec3::ZERO };
-        let light = SunAndSky { sun: none, sky: Vec3::ONE, bounce: Vec3::ZERO, doubts: Doubts::default() };
-        let reaching = SceneLight::new(light, &mesh, &bvh, [0.0, 0.0, 1.0]).reaching(TriangleId(0));
+        let reaching =
+            SceneLight::new(SunAndSky::new(none, Vec3::ONE), &mesh, &bvh, [0.0, 0.0, 1.0]).reaching(TriangleId(0));
         assert!(reaching.lit.is_nan());
         assert_eq!((reaching.light.sun, reaching.light.sky), (Vec3::ZERO, Vec3::ONE));
     }

@@ -29,7 +29,7 @@ use crate::scene::light::Sun;
 use crate::scene::view::{Tile, View};
 use crate::stages::cast::{Cast, tile_bytes};
 use crate::stages::decode::Decode;
-use crate::stages::scene_light::{Doubts, SceneLight, SunAndSky};
+use crate::stages::scene_light::{SceneLight, SunAndSky};
 use crate::trace::Bvh;
 use crate::trace::hierarchy::{CHUNK, Chunks};
 
@@ -185,7 +185,7 @@ fn light(pipeline: &Pipeline, mesh: &Mesh, bvh: &Bvh) -> Cost {
     // One sun takes as long as another, and where it stands need not be known yet.
     let up = pipeline.scene.zenith();
     let sun = Sun { direction: up, color: Vec3::ONE };
-    let light = SunAndSky { sun, sky: Vec3::ONE, bounce: Vec3::ZERO, doubts: Doubts::default() };
+    let light = SunAndSky::new(sun, Vec3::ONE);
     let light = SceneLight::new(pipeline.light.known().unwrap_or(light), mesh, bvh, pipeline.scene.up);
     let some = LIT.min(mesh.len());
     let started = Instant::now();
