@@ -57,7 +57,7 @@ pub(crate) struct Judge<'a> {
 /// Judges the materials of a finished run, and others beside it, by the truth and by the photographs that were left out.
 ///
 /// # Errors
-/// No finished run; neither a truth nor photographs that were left out; tables that cannot be read or have other triangles; no
+/// No finished run; neither a truth nor photographs that were left out, and a light to render them in; tables that cannot be read or have other triangles; no
 /// triangle that was seen.
 pub(crate) fn judge(pipeline: &Pipeline, judge: Judge<'_>) -> Result<(Vec<Judged>, Option<HeldOut>)> {
     let finished = Finished::open(pipeline)?;
@@ -75,6 +75,12 @@ pub(crate) fn judge(pipeline: &Pipeline, judge: Judge<'_>) -> Result<(Vec<Judged
         return Err(Error::invalid(
             "there is nothing to judge by: give a --truth, or leave photographs out with [run] holdout = \"every 4th\" and run \
              again",
+        ));
+    }
+    if truth.is_none() && finished.light.is_none() {
+        return Err(Error::invalid(
+            "no light is known to render the photographs in that were left out: set [light] mode = \"estimate\", or \"known\" and \
+             its sun; a table of another run is judged with --beside",
         ));
     }
     pool::share(pipeline.run.threads(), || {

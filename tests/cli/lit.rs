@@ -94,6 +94,8 @@ fn photographs_that_are_left_out_judge_the_materials() {
     // A photograph is foretold better than by colours that stay as they are, and less well than by what saw it.
     let (estimate, mean, beside) = (psnr("estimate"), psnr("mean radiance"), psnr("beside"));
     assert!(estimate > mean + 3.0 && beside > estimate, "{told}");
+    let unlit = "eval scene p.toml --set run.work=some --set light.mode=unknown";
+    Ran::gonio(dir.path(), unlit).ends(1).says("no light is known").says("--beside");
     // The truth is judged by beside it.
     let ran = eval("some", " --truth truth/materials.npy --frames 1");
     let judged: serde_json::Value = serde_json::from_str(&ran.ends(0).stdout()).unwrap();
