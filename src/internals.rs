@@ -95,6 +95,9 @@ pub mod shard {
     pub mod format {
         pub use crate::shard::format::{ENTRY, Entry, MAGIC, VERSION};
     }
+    pub mod rows {
+        pub use crate::shard::rows::{ROW, VERSION};
+    }
 }
 
 pub mod synth {

@@ -1,10 +1,10 @@
-//! The rows of one shard: what was inferred of its triangles. A sealed file, version 2. Integers and floats are little endian.
+//! The rows of one shard: what was inferred of its triangles. A sealed file, version 3. Integers and floats are little endian.
 //!
 //! ```text
 //! shard   u32
 //! rows    u32
 //! row     one per triangle that was observed, ascending: triangle u32, 7 f32 of `scene::Material` (NaN where there was
-//!         too little evidence), 17 f32 of `scene::evidence::Evidence`
+//!         too little evidence), 18 f32 of `scene::evidence::Evidence`
 //! ```
 
 use std::io::Write;
@@ -20,13 +20,13 @@ use crate::scene::evidence::Evidence;
 const SEAL: Seal = Seal { magic: *b"GONIOROW", version: VERSION, kind: "shard of materials" };
 
 /// Version of the layout above; part of every shard's key.
-pub(crate) const VERSION: u32 = 3;
+pub const VERSION: u32 = 3;
 
 /// Bytes of shard and rows.
 const HEADER: usize = 8;
 
 /// Bytes of a row.
-pub(crate) const ROW: usize = 4 * (1 + Material::LEN + Evidence::LEN);
+pub const ROW: usize = 4 * (1 + Material::LEN + Evidence::LEN);
 
 /// What was inferred of one triangle.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -12,6 +12,7 @@ use gonio::internals::disk::{MemStore, Store};
 use gonio::internals::scene::Mesh;
 use gonio::internals::scene::reflectance::BinSum;
 use gonio::internals::shard::block::Columns;
+use gonio::internals::shard::rows::ROW;
 use gonio::{TriangleId, template};
 use image::{DynamicImage, ImageFormat, Rgb, Rgb32FImage, RgbImage};
 
@@ -145,7 +146,7 @@ fn work_folder() {
     columns.write(&mut block);
     of_kind("segment/columns", 2, &[&[2, 0, 3, 0, 0, 0], &block[..]].concat());
     of_kind("segment/compressed", 3, &[&[2, 0, 3, 0, 0, 0], &zstd::encode_all(&block[..], 1).unwrap()[..]].concat());
-    let row = |triangle: u32| [&triangle.to_le_bytes()[..], &[0; 4 * 24]].concat();
+    let row = |triangle: u32| [&triangle.to_le_bytes()[..], &[0; ROW - 4]].concat();
     let rows = [&1u32.to_le_bytes()[..], &2u32.to_le_bytes(), &row(4096), &row(5000)].concat();
     of_kind("rows/two", 2, &rows);
     of_kind("rows/blocks", 3, &[[1; 20], [2; 20]].concat());

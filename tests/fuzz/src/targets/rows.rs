@@ -2,7 +2,7 @@
 
 use gonio::internals::base::ids::ShardId;
 use gonio::internals::disk::MemStore;
-use gonio::internals::shard::{Blocks, ShardRows};
+use gonio::internals::shard::{Blocks, ShardRows, rows};
 
 use super::{BUFFERS, Target};
 use crate::input;
@@ -14,7 +14,7 @@ fn read(bytes: &[u8]) -> bool {
     let store = MemStore::new();
     let file = match kind {
         0 | 1 => rest.to_vec(),
-        2 => input::sealed(rest, 2, b"GONIOROW"),
+        2 => input::sealed(rest, rows::VERSION, b"GONIOROW"),
         _ => input::sealed(rest, 1, b"GONIOBLK"),
     };
     input::put(&store, "any", &file);
