@@ -34,7 +34,7 @@ fn infer(criterion: &mut Criterion) {
         let maps: Vec<SparseMap> = (0..MAPS).map(map).collect();
         let maps: Vec<&SparseMap> = maps.iter().collect();
         let light = LocalLight { direction: Vec3::new(0.0, 0.6, 0.8), sun: Vec3::ONE, sky: Vec3::splat(0.2) };
-        let lights = vec![light; MAPS];
+        let lights = vec![light.into(); MAPS];
         let mut group = criterion.benchmark_group(format!("infer/{name}"));
         group.throughput(Throughput::Elements(MAPS as u64)).sampling_mode(SamplingMode::Flat).sample_size(20);
         for threads in [1, 2] {

@@ -62,7 +62,7 @@ pub mod light {
 
 pub mod model {
     pub use crate::model::{
-        BUILT_IN, Backend, Contract, Estimate, Estimator, Fit, ModelSource, complete, for_rten, load,
+        BUILT_IN, Backend, Contract, Estimate, Estimator, Fit, MapLight, ModelSource, complete, for_rten, load,
     };
 }
 

@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 
 use glam::Vec3;
 use gonio::internals::base::Result;
-use gonio::internals::model::{self, Backend, Estimate, Estimator, Fit, ModelSource};
+use gonio::internals::model::{self, Backend, Estimate, Estimator, Fit, MapLight, ModelSource};
 use gonio::internals::scene::light::LocalLight;
 use gonio::internals::scene::reflectance::{Bin, BinSum, FRONT_BINS, Layout, SparseMap};
 use rand::{RngExt, SeedableRng};
@@ -70,7 +70,7 @@ fn estimate<'a>(model: &dyn Estimator, maps: impl IntoIterator<Item = &'a Sparse
     let light = |m: &&SparseMap| sun(if m.bins.len().is_multiple_of(2) { 0.8 } else { -0.8 });
     let mut out = vec![Estimate::default(); maps.len()];
     for (maps, out) in maps.chunks(batch).zip(out.chunks_mut(batch)) {
-        let lights: Vec<LocalLight> = maps.iter().map(light).collect();
+        let lights: Vec<MapLight<'_>> = maps.iter().map(light).map(MapLight::from).collect();
         let lights = model.contract().light.wanted().then_some(lights.as_slice());
         model.session().unwrap().estimate(maps, lights, out).unwrap();
     }
@@ -202,9 +202,9 @@ fn calls_that_do_not_fit_are_refused() {
     let map = SparseMap::default();
     for (model, maps, lights, words) in [
         (&four, &[][..], None, "0 maps came for 1 materials"),
-        (&four, &[&map][..], Some(&[sun(0.8)][..]), "takes no light"),
+        (&four, &[&map][..], Some(&[sun(0.8).into()][..]), "takes no light"),
         (&light, &[&map], None, "needs a light beside each map; 0 came"),
-        (&light, &[&map], Some(&[sun(0.8); 2][..]), "2 came"),
+        (&light, &[&map], Some(&[sun(0.8).into(); 2][..]), "2 came"),
     ] {
         let said = model.session().unwrap().estimate(maps, lights, &mut [Estimate::default()]).unwrap_err().to_string();
         assert!(said.contains(words), "{said}");
@@ -278,7 +278,7 @@ fn a_model_says_how_sure_it_is_and_the_fit_starts_there() {
     let map = SparseMap { bins: (0..8).map(|i| (9 + 300 * i, BinSum::one([0.15; 3], false))).collect() };
     let estimate = |estimator: &dyn Estimator, light: Option<LocalLight>| {
         let mut out = [Estimate::default()];
-        let lights = light.map(|light| [light]);
+        let lights = light.map(|light| [light.into()]);
         estimator.session().unwrap().estimate(&[&map], lights.as_ref().map(|l| &l[..]), &mut out).unwrap();
         out[0]
     };

@@ -8,6 +8,21 @@ use crate::scene::Material;
 use crate::scene::light::LocalLight;
 use crate::scene::reflectance::SparseMap;
 
+/// The light that the observations of a map were made in.
+#[derive(Debug, Clone, Copy)]
+pub struct MapLight<'a> {
+    /// The light of the triangle, in the mean over all observations.
+    pub whole: LocalLight,
+    /// The observations apart, each with the light of its own; empty where all were made in `whole`.
+    pub parts: &'a [(&'a SparseMap, LocalLight)],
+}
+
+impl From<LocalLight> for MapLight<'_> {
+    fn from(whole: LocalLight) -> Self {
+        MapLight { whole, parts: &[] }
+    }
+}
+
 /// Turns reflectance maps into materials. All workers share an estimator; each makes its own `Session`.
 pub trait Estimator: Send + Sync {
     /// The contract that the estimator keeps.
@@ -44,7 +59,7 @@ pub trait Session: Send {
     ///
     /// # Errors
     /// Lengths that differ, an engine that fails, or a component that is not a number or lies outside [0, 1] by more than 1e-4.
-    fn estimate(&mut self, maps: &[&SparseMap], lights: Option<&[LocalLight]>, out: &mut [Estimate]) -> Result<()>;
+    fn estimate(&mut self, maps: &[&SparseMap], lights: Option<&[MapLight<'_>]>, out: &mut [Estimate]) -> Result<()>;
 }
 
 /// The estimate of one triangle's material.

@@ -37,7 +37,7 @@ pub use contract::Contract;
 pub use elf::complete;
 pub(crate) use embedded::one_thread;
 pub(crate) use estimator::Session;
-pub use estimator::{Estimate, Estimator};
+pub use estimator::{Estimate, Estimator, MapLight};
 pub use fit::Fit;
 pub use onnx::load;
 pub use rewrite::for_rten;

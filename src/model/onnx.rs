@@ -63,7 +63,7 @@ impl OnnxModel {
         let bins = (0u16..).map(|bin: Bin| (bin, BinSum::default()));
         let map = |count: usize| SparseMap { bins: bins.clone().take(count).collect() };
         let maps: Vec<SparseMap> = [0].into_iter().chain(self.contract.input.sizes()).map(map).collect();
-        let lights = vec![session::OVERHEAD; maps.len()];
+        let lights = vec![session::OVERHEAD.into(); maps.len()];
         let lights = self.contract.light.wanted().then_some(lights.as_slice());
         let maps: Vec<&SparseMap> = maps.iter().collect();
         self.session()?.estimate(&maps, lights, &mut vec![Estimate::default(); maps.len()])

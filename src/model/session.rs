@@ -7,7 +7,7 @@ use glam::Vec3;
 
 use super::contract::Contract;
 use super::engine::{Batch, Engine};
-use super::estimator::{Estimate, Session};
+use super::estimator::{Estimate, MapLight, Session};
 use super::pack::least_size;
 use crate::base::{Error, Result};
 use crate::scene::Material;
@@ -50,7 +50,7 @@ impl OnnxSession {
 }
 
 impl Session for OnnxSession {
-    fn estimate(&mut self, maps: &[&SparseMap], lights: Option<&[LocalLight]>, out: &mut [Estimate]) -> Result<()> {
+    fn estimate(&mut self, maps: &[&SparseMap], lights: Option<&[MapLight<'_>]>, out: &mut [Estimate]) -> Result<()> {
         self.check(maps.len(), lights, out.len())?;
         let lights = lights.unwrap_or_default();
         let deviation = self.contract.deviation.unwrap_or([f32::NAN; Material::LEN]);
@@ -72,20 +72,20 @@ impl Session for OnnxSession {
 
 impl OnnxSession {
     /// Checks that each of `maps` maps has an answer, and a light if the model takes one.
-    fn check(&self, maps: usize, lights: Option<&[LocalLight]>, answers: usize) -> Result<()> {
+    fn check(&self, maps: usize, lights: Option<&[MapLight<'_>]>, answers: usize) -> Result<()> {
         let wrong = |found: String| Err(Error::malformed(&self.contract.model, found));
         if maps != answers {
             return wrong(format!("{maps} maps came for {answers} materials"));
         }
         if lights.is_some() != self.contract.light.wanted() || lights.is_some_and(|l| l.len() != maps) {
             let needed = if self.contract.light.wanted() { "needs a light beside each map" } else { "takes no light" };
-            return wrong(format!("the model {needed}; {} came", lights.map_or(0, <[LocalLight]>::len)));
+            return wrong(format!("the model {needed}; {} came", lights.map_or(0, <[MapLight<'_>]>::len)));
         }
         Ok(())
     }
 
     /// Runs one micro-batch of maps of one size.
-    fn run(&mut self, size: usize, chosen: &[usize], maps: &[&SparseMap], lights: &[LocalLight]) -> Result<()> {
+    fn run(&mut self, size: usize, chosen: &[usize], maps: &[&SparseMap], lights: &[MapLight<'_>]) -> Result<()> {
         let Size { bins, batch, shape } = &self.sizes[size];
         let each = self.contract.input.values(*bins);
         self.values.clear();
@@ -96,7 +96,7 @@ impl OnnxSession {
         self.lights.clear();
         if self.contract.light.wanted() {
             let empty = iter::repeat_n(&OVERHEAD, batch - chosen.len());
-            for light in chosen.iter().map(|&i| &lights[i]).chain(empty) {
+            for light in chosen.iter().map(|&i| &lights[i].whole).chain(empty) {
                 self.contract.light.write(light, &mut self.lights);
             }
         }

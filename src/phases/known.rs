@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::cast::{FrameGroups, Readable, pixels};
 use super::facts::{Facts, Trial};
 use super::infer::{TriedEstimator, load_estimator};
-use super::light::{FrozenLight, Occasion};
+use super::light::{FrozenLight, Occasion, light_of};
 use super::scene::{LoadedScene, Meshes};
 use crate::base::{Error, Result, memory};
 use crate::config::Choice;
@@ -83,15 +83,7 @@ impl<'a> Known<'a> {
 
     /// The light, as far as it is known by now.
     pub(crate) fn light(&self) -> Option<SunAndSky> {
-        self.found(self.surveyed.as_ref().map(|surveyed| &surveyed.light))
-    }
-
-    fn found(&self, frozen: Option<&FrozenLight>) -> Option<SunAndSky> {
-        match self.pipeline.light.mode {
-            Mode::Known => self.pipeline.light.known(),
-            Mode::Estimate | Mode::Ephemeris => frozen?.state().light.as_ref()?.sun_and_sky(),
-            Mode::Unknown => None,
-        }
+        light_of(self.pipeline, self.surveyed.as_ref().map(|surveyed| &surveyed.light))
     }
 
     /// Loads the estimator that is asked for with the light as it is, if another was loaded before the light was found.
@@ -149,7 +141,7 @@ impl<'a> Known<'a> {
             Occasion::of(pipeline, &scene.frames)?;
         }
         if light.state().light.is_some() {
-            self.settle_for(self.found(Some(&light)).is_some())?;
+            self.settle_for(light_of(self.pipeline, Some(&light)).is_some())?;
         }
         let groups = match look {
             Look::Run => FrameGroups::of_run(pipeline, store, ledger, &scene, &readable, &light)?,

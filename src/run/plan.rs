@@ -265,7 +265,7 @@ mod tests {
         plan(FACTS, 1024).fits().unwrap();
         let words = |facts, memory| plan(facts, memory).fits().unwrap_err().to_string();
         insta::assert_snapshot!(words(FACTS, 64), @r#"[run] memory = "64 MiB" is 55.1 MiB too small: the phase build needs 119.1 MiB, most of it for the mesh and the hierarchy over it; raise the limit, or take a mesh of fewer triangles"#);
-        insta::assert_snapshot!(words(Facts { frame: 900 << 20, threads: 16, ..FACTS }, 512), @r#"[run] memory = "512 MiB" is 477.5 MiB too small: the phase cast needs 989.5 MiB, most of it for one frame or shard in work; raise the limit, or take smaller frames, as with [decode] downscale"#);
+        insta::assert_snapshot!(words(Facts { frame: 900 << 20, threads: 16, ..FACTS }, 512), @r#"[run] memory = "512 MiB" is 478.2 MiB too small: the phase cast needs 990.2 MiB, most of it for one frame or shard in work; raise the limit, or take smaller frames, as with [decode] downscale"#);
         let fine = Facts { triangles: 100_000_000, mesh: 1_800_000_000, ..FACTS };
         insta::assert_snapshot!(words(fine, 4096), @r#"[run] memory = "4 GiB" is 55.4 MiB too small: the phase build needs 4.1 GiB, most of it for the mesh and the hierarchy over it; raise the limit, or take a mesh of fewer triangles"#);
         let mut merging = plan(Facts { triangles: 1_000_000_000, ..FACTS }, 128);

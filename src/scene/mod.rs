@@ -4,6 +4,7 @@
 pub(crate) mod adjacency;
 pub(crate) mod brdf;
 pub(crate) mod camera;
+pub(crate) mod cells;
 pub(crate) mod evidence;
 pub(crate) mod frame;
 pub(crate) mod light;

@@ -33,6 +33,19 @@ impl Tile {
         (self.y + pixel.y) as usize * image_width as usize + (self.x + pixel.x) as usize
     }
 
+    /// The tile with the pixels around it, as far as an image of this size has them.
+    pub(crate) fn with_border(self, image: UVec2) -> Tile {
+        let (x, y) = (self.x.saturating_sub(1), self.y.saturating_sub(1));
+        let (right, bottom) = ((self.x + self.width + 1).min(image.x), (self.y + self.height + 1).min(image.y));
+        Tile { x, y, width: right - x, height: bottom - y }
+    }
+
+    /// Whether a pixel of the image lies in the tile.
+    pub(crate) fn holds(self, pixel: UVec2) -> bool {
+        let inside = |at: u32, from: u32, length: u32| at.checked_sub(from).is_some_and(|at| at < length);
+        inside(pixel.x, self.x, self.width) && inside(pixel.y, self.y, self.height)
+    }
+
     /// Tiles of at most `side` x `side` pixels that cover this one, row by row.
     pub(crate) fn split(self, side: u32) -> impl Iterator<Item = Tile> {
         let (side, Tile { x, y, width, height }) = (side.max(1), self);

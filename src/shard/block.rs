@@ -5,7 +5,8 @@ use std::io::Read;
 use super::varint::{Column, put, put_signed};
 use crate::base::convert::to_usize;
 use crate::base::ids::{ShardId, TriangleId};
-use crate::scene::reflectance::{BINS, Bin, BinSum};
+use crate::scene::cells::CELLS;
+use crate::scene::reflectance::{Bin, BinSum};
 
 /// A shard's records in one segment, ascending.
 #[derive(Debug, Default, PartialEq, Eq)]
@@ -121,15 +122,15 @@ pub fn decode(compressed: &[u8], shard: ShardId, triangles: u32, records: u32) -
         let frames = u32::try_from(frames).map_err(|_| wrong("a frame count past 32 bits"))?;
         let more = u16::try_from(more)
             .ok()
-            .filter(|&more| usize::from(more) < BINS)
-            .ok_or_else(|| wrong("more records than a map has bins"))?;
+            .filter(|&more| usize::from(more) < CELLS)
+            .ok_or_else(|| wrong("more records than a map has cells"))?;
         let mut bin: Bin = 0;
         for j in 0..=more {
             let step = bins.next().filter(|&s| j == 0 || s > 0);
             bin = step
                 .and_then(|s| u64::from(bin).checked_add(s))
                 .and_then(|b| Bin::try_from(b).ok())
-                .filter(|&b| usize::from(b) < BINS)
+                .filter(|&b| usize::from(b) < CELLS)
                 .ok_or_else(|| wrong("bins out of order"))?;
             if block.records.len() == records as usize {
                 return Err(wrong("more records than the index says"));

@@ -11,7 +11,8 @@ use super::sum::sum_by_key;
 use crate::base::Result;
 use crate::base::convert::to_u32;
 use crate::base::ids::{ShardId, TriangleId};
-use crate::scene::reflectance::{Bin, BinSum, FRONT_BINS, SparseMap};
+use crate::scene::cells::CELLS;
+use crate::scene::reflectance::{Bin, BinSum, SparseMap};
 
 /// The map of one triangle.
 #[derive(Debug, Clone, PartialEq)]
@@ -66,7 +67,7 @@ const BIN: u64 = size_of::<(Bin, BinSum)>() as u64;
 /// Bytes that the sums of so many triangles take at most: all of their records, or as many as their maps have bins.
 fn sums(triangles: u64, records: u64) -> u64 {
     // Twice as many are held before they are added up, and vectors may be half full.
-    (2 * records).min(4 * triangles * FRONT_BINS as u64) * BIN
+    (2 * records).min(4 * triangles * CELLS as u64) * BIN
 }
 
 /// Bytes that collecting holds beside the sums: one decoded block, and a place for every triangle.
@@ -84,7 +85,7 @@ pub(crate) fn collect_need<B: AsRef<[u8]>>(segments: &[Segment<B>], shard: Shard
 /// Bytes that collecting the same shard triangle by triangle holds at most: the shard cannot be collected with less.
 pub(crate) fn collect_least<B: AsRef<[u8]>>(segments: &[Segment<B>], shard: ShardId) -> u64 {
     let blocks = segments.iter().filter(|s| s.entry(shard).is_some()).count() as u64;
-    collect_need(segments, shard).min(sums(1, blocks * FRONT_BINS as u64) + beside(segments, shard))
+    collect_need(segments, shard).min(sums(1, blocks * CELLS as u64) + beside(segments, shard))
 }
 
 /// A range of a shard's triangles that is collected alone.
@@ -201,6 +202,6 @@ mod tests {
         assert_eq!(split(&records, whole).len(), 1);
         // Empty maps take nothing, and full ones no more than they have bins.
         assert_eq!(split(&[0; 9], 0), [Slice { triangles: 0..9, need: 0 }]);
-        assert_eq!(sums(2, u64::from(u32::MAX)), 4 * 2 * FRONT_BINS as u64 * BIN);
+        assert_eq!(sums(2, u64::from(u32::MAX)), 4 * 2 * CELLS as u64 * BIN);
     }
 }

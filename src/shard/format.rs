@@ -1,4 +1,4 @@
-//! The layout of a segment file, version 2. Integers are little endian; `varint` is LEB128.
+//! The layout of a segment file, version 3. Integers are little endian; `varint` is LEB128.
 //!
 //! ```text
 //! magic     8 bytes  "GONIOSEG"
@@ -27,7 +27,7 @@ use crate::base::ids::ShardId;
 /// First and last bytes of a segment.
 pub const MAGIC: [u8; 8] = *b"GONIOSEG";
 /// Version of the layout above; part of every unit key.
-pub const VERSION: u32 = 2;
+pub const VERSION: u32 = 3;
 /// Bytes of magic and version.
 pub(crate) const HEADER: usize = 12;
 /// Bytes of an index entry.

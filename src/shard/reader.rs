@@ -8,7 +8,7 @@ use super::format::{ENTRY, Entry, FOOTER, HEADER, MAGIC, VERSION, u32_at, u64_at
 use crate::base::convert::to_usize;
 use crate::base::ids::ShardId;
 use crate::base::{Error, Result};
-use crate::scene::reflectance::BINS;
+use crate::scene::cells::CELLS;
 
 /// An open segment over its bytes, mapped or in memory.
 #[derive(Debug)]
@@ -90,7 +90,7 @@ fn find_index(bytes: &[u8]) -> Result<Range<usize>, String> {
     let mut before = None;
     for e in bytes[index.clone()].as_chunks().0.iter().map(Entry::from_bytes) {
         let inside = e.offset == end && e.length <= start && e.offset + e.length <= start;
-        let most = u64::from(e.triangles) * BINS as u64;
+        let most = u64::from(e.triangles) * CELLS as u64;
         let counted = e.triangles >= 1
             && e.triangles <= ShardId::TRIANGLES
             && e.records >= e.triangles

@@ -2,14 +2,17 @@
 
 use std::ops::AddAssign;
 
+use glam::UVec2;
 use serde::{Deserialize, Serialize};
 
 use super::decode::{Contents, Decoded};
+use super::sunlit::{Sunlit, TileReach};
 use crate::base::Result;
 use crate::base::ids::{FrameId, TriangleId};
 use crate::config::{Effect, Key, Keys, Section, Settings, Value};
 use crate::flow::{Map, Outlet, Skipped};
 use crate::scene::Mesh;
+use crate::scene::cells::{Reach, cell};
 use crate::scene::frame::{Frame, LinearImage};
 use crate::scene::reflectance::{BinSum, LobeFrame, bin_of};
 use crate::scene::view::{Tile, View};
@@ -102,11 +105,14 @@ pub(crate) struct Cast<'a> {
     pub piece: u64,
     /// What the radiance of each frame is divided by.
     pub gains: &'a [f32],
+    /// The sun, where one is known: what is seen in its light is kept apart from what is seen in the shade.
+    pub sunlit: Option<&'a Sunlit>,
 }
 
 /// A worker's buffers, kept from frame to frame.
 pub(crate) struct Scratch {
     rays: TileRays,
+    reach: TileReach,
     rows: Accumulator,
 }
 
@@ -117,9 +123,11 @@ pub(crate) fn pieces_alive(workers: usize, queue: usize) -> usize {
     3 * workers + queue + 1
 }
 
-/// Bytes that a worker holds for a tile of this edge length: pixels, rays and hits, and its observations.
+/// Bytes that a worker holds for a tile of this edge length: pixels, rays and hits, with those around it, and its
+/// observations.
 pub(crate) fn tile_bytes(tile: u32) -> u64 {
-    u64::from(tile) * u64::from(tile) * (TileRays::BYTES_PER_PIXEL + 2 * Record::BYTES)
+    let border = (TileRays::BYTES_PER_PIXEL + TileReach::BYTES_PER_PIXEL) * u64::from(tile + 2).pow(2);
+    border + u64::from(tile).pow(2) * 2 * Record::BYTES
 }
 
 impl Cast<'_> {
@@ -134,13 +142,20 @@ impl Cast<'_> {
         scratch: &mut Scratch,
         mut piece: impl FnMut(FrameRecords) -> Result<()>,
     ) -> Result<(FrameRecords, Counts)> {
-        let Scratch { rays, rows } = scratch;
+        let Scratch { rays, reach, rows } = scratch;
         let mut counts = Counts::default();
         // Neighbouring pixels mostly see one triangle, whose axes are worked out once.
         let mut last: Option<(TriangleId, LobeFrame)> = None;
         for tile in tiles {
-            for PixelHit { pixel, direction, hit } in rays.cast(view, self.bvh, tile).filter(|ray| ray.hit.is_some()) {
-                let Some(pixel) = image.pixel(tile.position(pixel, image.width)) else { continue };
+            let cast = if self.sunlit.is_some() { tile.with_border(view.size()) } else { tile };
+            let hits = rays.cast(view, self.bvh, cast);
+            if let Some(sunlit) = self.sunlit {
+                let size = UVec2::new(cast.width, cast.height);
+                reach.look(sunlit, (self.mesh, self.bvh), view.centre(), size, hits.clone());
+            }
+            let inside = |ray: &PixelHit| tile.holds(ray.pixel + UVec2::new(cast.x, cast.y));
+            for PixelHit { pixel: at, direction, hit } in hits.filter(|ray| ray.hit.is_some() && inside(ray)) {
+                let Some(pixel) = image.pixel(cast.position(at, image.width)) else { continue };
                 if last.is_none_or(|(t, _)| t != hit.triangle) {
                     last = self.mesh.lobe_frame(hit.triangle).map(|axes| (hit.triangle, axes));
                 }
@@ -149,7 +164,7 @@ impl Cast<'_> {
                 if towards.z > 0.0 {
                     rows.observe(
                         triangle,
-                        bin_of(towards),
+                        cell(self.sunlit.map_or(Reach::Untold, |_| reach.at(at)), bin_of(towards)),
                         BinSum::one(pixel.rgb.map(|value| value / gain), pixel.clipped),
                     );
                     counts.observations += 1;
@@ -170,7 +185,7 @@ impl Map for Cast<'_> {
     type Scratch = Scratch;
 
     fn scratch(&self) -> Result<Scratch> {
-        Ok(Scratch { rays: TileRays::default(), rows: Accumulator::new(self.piece) })
+        Ok(Scratch { rays: TileRays::default(), reach: TileReach::default(), rows: Accumulator::new(self.piece) })
     }
 
     fn apply(&self, scratch: &mut Scratch, decoded: Decoded, out: &mut Outlet<'_, Seen>) -> Result<()> {

@@ -10,10 +10,10 @@ use super::shards::Inferred;
 use crate::base::Result;
 use crate::config::{Choice, Effect, Key, Keys, Leads, Problem, Section, Settings, Value};
 use crate::flow::{Map, Outlet, Reservation};
-use crate::model::{BUILT_IN, Backend, Estimate, Estimator, ModelSource, Session};
+use crate::model::{BUILT_IN, Backend, Estimate, Estimator, MapLight, ModelSource, Session};
 use crate::scene::Material;
+use crate::scene::cells::Apart;
 use crate::scene::evidence::{Evidence, Filled};
-use crate::scene::light::LocalLight;
 use crate::scene::reflectance::{FRONT_BINS, SparseMap};
 use crate::shard::{Row, ShardMaps, ShardRows, TriangleMap};
 
@@ -234,38 +234,42 @@ impl Map for Infer<'_> {
         out: &mut Outlet<'_, Inferred>,
     ) -> Result<()> {
         let enough = |map: &SparseMap| map.bins.len() >= self.min_bins.max(1);
+        let (number, more) = (shard.shard, shard.more);
         let mut rows: Vec<Row> = Vec::with_capacity(shard.triangles.len());
-        for TriangleMap { triangle, frames, map } in &shard.triangles {
-            let filled = if enough(map) { Filled::Observed } else { Filled::Nothing };
-            let evidence = Evidence { filled, ..Evidence::of(map, *frames) };
-            rows.push(Row { triangle: *triangle, material: [f32::NAN; Material::LEN], evidence });
+        let mut maps: Vec<Apart> = Vec::with_capacity(shard.triangles.len());
+        for TriangleMap { triangle, frames, map: cells } in shard.triangles {
+            let apart = Apart::of(cells.bins);
+            let filled = if enough(&apart.whole) { Filled::Observed } else { Filled::Nothing };
+            let evidence = Evidence { filled, ..Evidence::of(&apart.whole, frames) };
+            rows.push(Row { triangle, material: [f32::NAN; Material::LEN], evidence });
+            maps.push(apart);
         }
-        let asked: Vec<(usize, &SparseMap)> =
-            shard.triangles.iter().map(|t| &t.map).enumerate().filter(|(_, map)| enough(map)).collect();
+        let asked: Vec<(usize, &Apart)> = maps.iter().enumerate().filter(|(_, apart)| enough(&apart.whole)).collect();
         for batch in asked.chunks(self.batch.max(1)) {
-            let maps: Vec<&SparseMap> = batch.iter().map(|(_, map)| *map).collect();
-            scratch.answers.resize(maps.len(), Estimate::default());
+            let whole: Vec<&SparseMap> = batch.iter().map(|(_, apart)| &apart.whole).collect();
+            scratch.answers.resize(whole.len(), Estimate::default());
             let reaching = |light: &SceneLight<'_>| -> Vec<Reaching> {
                 batch.iter().map(|(slot, _)| light.reaching(rows[*slot].triangle)).collect()
             };
             let reaching = self.light.as_ref().map(reaching);
-            let lights: Option<Vec<LocalLight>> =
-                reaching.as_ref().map(|all| all.iter().map(|reaching| reaching.light).collect());
-            scratch.session.estimate(&maps, lights.as_deref(), &mut scratch.answers)?;
+            let both = || reaching.iter().flatten().zip(batch);
+            let parts: Vec<Vec<_>> = both().map(|(reaching, (_, apart))| reaching.parts(apart).collect()).collect();
+            let lights = || both().zip(&parts).map(|((reaching, _), parts)| MapLight { whole: reaching.light, parts });
+            let lights: Option<Vec<MapLight<'_>>> = self.light.as_ref().map(|_| lights().collect());
+            scratch.session.estimate(&whole, lights.as_deref(), &mut scratch.answers)?;
             for ((slot, _), answer) in batch.iter().zip(&scratch.answers) {
                 let Row { material, evidence, .. } = &mut rows[*slot];
                 (*material, evidence.deviation) = (answer.material.to_array(), answer.deviation);
             }
-            for ((slot, _), reaching) in batch.iter().zip(reaching.iter().flatten()) {
+            for ((slot, apart), reaching) in batch.iter().zip(reaching.iter().flatten()) {
                 let Row { material, evidence, .. } = &mut rows[*slot];
                 evidence.lit = reaching.lit;
-                widen(&mut evidence.deviation, material, reaching.doubt);
+                widen(&mut evidence.deviation, material, reaching.doubt(apart));
             }
         }
-        let (number, more) = (shard.shard, shard.more);
         // Only the rows wait for their turn.
         drop(asked);
-        drop((shard, memory));
+        drop((maps, memory));
         out.send(Inferred { rows: ShardRows { shard: number, rows }, more })
     }
 }

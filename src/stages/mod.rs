@@ -32,6 +32,7 @@ pub(crate) mod look;
 pub(crate) mod merge;
 pub(crate) mod scene_light;
 pub(crate) mod shards;
+pub(crate) mod sunlit;
 
 use crate::base::Result;
 use crate::disk::FileEntry;

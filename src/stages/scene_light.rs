@@ -4,7 +4,9 @@ use glam::{DVec3, Vec3};
 
 use crate::base::ids::TriangleId;
 use crate::scene::Mesh;
+use crate::scene::cells::Apart;
 use crate::scene::light::{LocalLight, Sun};
+use crate::scene::reflectance::SparseMap;
 use crate::trace::visibility::SKY_RAYS;
 use crate::trace::{Bvh, Shares};
 
@@ -40,13 +42,40 @@ pub struct Doubts {
 /// The light that reaches one triangle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Reaching {
-    /// The light.
+    /// The light, in the mean over the triangle.
     pub light: LocalLight,
+    /// The sun's colour, where it reaches the triangle.
+    pub sun: Vec3,
     /// The share of the triangle that the sun reaches; no number where no sun shines.
     pub lit: f32,
-    /// The standard deviation of the radiance of a white surface there, relative to that radiance, by channel.
-    pub doubt: Vec3,
+    doubts: Doubts,
 }
+
+impl Reaching {
+    /// The observations of a triangle apart, each with its light; none where nobody told them apart.
+    pub(crate) fn parts<'m>(&self, apart: &'m Apart) -> impl Iterator<Item = (&'m SparseMap, LocalLight)> {
+        let (sun, shade) = (LocalLight { sun: self.sun, ..self.light }, LocalLight { sun: Vec3::ZERO, ..self.light });
+        [(&apart.sun, sun), (&apart.shade, shade)].into_iter().filter(|(map, _)| !map.bins.is_empty())
+    }
+
+    /// How far the light may be off that a material is made of, if it is made of these observations apart.
+    pub(crate) fn doubt(&self, apart: &Apart) -> Vec3 {
+        match (apart.sun.bins.is_empty(), apart.shade.bins.is_empty()) {
+            (true, true) => self.doubt_of(if self.lit.is_nan() { 0.0 } else { self.lit }),
+            (false, _) => self.doubt_of(1.0),
+            (true, false) => self.doubt_of(0.0),
+        }
+    }
+
+    /// The doubt, if the sun reaches this share of the triangle.
+    fn doubt_of(&self, lit: f32) -> Vec3 {
+        doubt(&LocalLight { sun: self.sun * lit, ..self.light }, lit, self.doubts)
+    }
+}
+
+/// Rays that find the share of the sky that reaches a triangle in the shade, where it is all the light that there is: materials
+/// there are wrong by as much as the share is.
+const SHADE_RAYS: u32 = 128;
 
 /// A light over a scene.
 pub(crate) struct SceneLight<'a> {
@@ -54,15 +83,16 @@ pub(crate) struct SceneLight<'a> {
     bvh: &'a Bvh,
     light: SunAndSky,
     up: Vec3,
-    shares: Shares,
+    /// For triangles that lie in the sun, and for those that do not.
+    shares: [Shares; 2],
 }
 
 impl<'a> SceneLight<'a> {
     /// A light over a mesh. The sky is the hemisphere about `up`.
     pub(crate) fn new(light: SunAndSky, mesh: &'a Mesh, bvh: &'a Bvh, up: [f64; 3]) -> Self {
         let up = DVec3::from(up).as_vec3().normalize_or_zero();
-        let rays = if light.sky == Vec3::ZERO && light.bounce == Vec3::ZERO { 0 } else { SKY_RAYS };
-        SceneLight { mesh, bvh, light, up, shares: Shares::new(mesh, rays) }
+        let rays = if light.sky == Vec3::ZERO && light.bounce == Vec3::ZERO { [0, 0] } else { [SKY_RAYS, SHADE_RAYS] };
+        SceneLight { mesh, bvh, light, up, shares: rays.map(|rays| Shares::new(mesh, rays)) }
     }
 
     /// The light that reaches a triangle; zero for a triangle without area.
@@ -71,16 +101,23 @@ impl<'a> SceneLight<'a> {
         let shines = sun.color != Vec3::ZERO;
         let Some(frame) = self.mesh.lobe_frame(t) else {
             let light = LocalLight { direction: Vec3::Z, sun: Vec3::ZERO, sky: Vec3::ZERO };
-            return Reaching { light, lit: if shines { 0.0 } else { f32::NAN }, doubt: Vec3::ZERO };
+            return Reaching {
+                light,
+                sun: Vec3::ZERO,
+                lit: if shines { 0.0 } else { f32::NAN },
+                doubts: Doubts::default(),
+            };
         };
-        let lit = if shines { self.shares.sun(self.mesh, self.bvh, sun.direction, t) } else { 0.0 };
-        let open = self.shares.sky(self.mesh, self.bvh, self.up, t);
+        let [in_sun, in_shade] = &self.shares;
+        let lit = if shines { in_sun.sun(self.mesh, self.bvh, sun.direction, t) } else { 0.0 };
+        let shares = if lit < 1.0 { in_shade } else { in_sun };
+        let open = shares.sky(self.mesh, self.bvh, self.up, t);
         let light = LocalLight {
             direction: frame.to_local(sun.direction),
             sun: sun.color * lit,
             sky: sky * open + bounce * (1.0 - open),
         };
-        Reaching { light, lit: if shines { lit } else { f32::NAN }, doubt: doubt(&light, lit, doubts) }
+        Reaching { light, sun: sun.color, lit: if shines { lit } else { f32::NAN }, doubts }
     }
 }
 

@@ -33,7 +33,7 @@ impl TileRays {
     pub(crate) const BYTES_PER_PIXEL: u64 = (size_of::<UVec2>() + size_of::<Vec3>() + size_of::<Hit>()) as u64;
 
     /// Casts the pixels of a tile and gives the ray and the hit of each.
-    pub(crate) fn cast(&mut self, view: &View, bvh: &Bvh, tile: Tile) -> impl Iterator<Item = PixelHit> {
+    pub(crate) fn cast(&mut self, view: &View, bvh: &Bvh, tile: Tile) -> impl Iterator<Item = PixelHit> + Clone {
         let size = UVec2::new(tile.width, tile.height);
         if self.size != size {
             self.size = size;

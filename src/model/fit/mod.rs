@@ -18,7 +18,7 @@
 //! The median is seldom halfway. The less a map tells about the roughness, and the fewer bins it has, the nearer the answer
 //! moves to matt, smoothly, so that it relights no worse than a Lambertian would.
 //!
-//! A bin's radiance is uncertain by a step of 8 bits, and by a share of the lobe's radiance, since the lobe changes within the
+//! A bin's radiance is uncertain by a step of 8 bits in the photograph, and by a share of the lobe's radiance, since the lobe changes within the
 //! bin; a bin of few pixels is less certain. A second pass sets the noise to the residuals of the first. It gives less weight to
 //! bins that it cannot explain, since a passing object may have filled them, and none to clipped bins where it expects more light.
 
@@ -32,13 +32,12 @@ mod tests;
 use std::path::PathBuf;
 
 use super::contract::{Contract, Input, LightInput};
-use super::estimator::{Estimate, Estimator, Session};
+use super::estimator::{Estimate, Estimator, MapLight, Session};
 use crate::base::convert::to_f32;
 use crate::base::key::{Key, KeyBuilder};
 use crate::base::units::Bytes;
 use crate::base::{Error, Result};
 use crate::scene::Material;
-use crate::scene::light::LocalLight;
 use crate::scene::reflectance::{FRONT_BINS, Layout, SparseMap};
 use session::FitSession;
 use tables::LEVELS;
@@ -51,7 +50,7 @@ pub struct Fit {
 }
 
 /// The fit's version. It changes whenever the same map and light give another material.
-const VERSION: &str = "4";
+const VERSION: &str = "5";
 
 /// The standard deviation of values spread evenly over [0, 1].
 const WIDE: f32 = to_f32(solve::WIDEST);
@@ -127,7 +126,7 @@ struct Worker {
 }
 
 impl Session for Worker {
-    fn estimate(&mut self, maps: &[&SparseMap], lights: Option<&[LocalLight]>, out: &mut [Estimate]) -> Result<()> {
+    fn estimate(&mut self, maps: &[&SparseMap], lights: Option<&[MapLight<'_>]>, out: &mut [Estimate]) -> Result<()> {
         let lights = lights.filter(|lights| lights.len() == maps.len() && maps.len() == out.len());
         let lights = lights.ok_or_else(|| {
             Error::invalid(format!("fit: {} maps need as many lights and {} places", maps.len(), out.len()))
@@ -138,7 +137,8 @@ impl Session for Worker {
         }
         let wider = if self.network.is_some() { AFTER_NETWORK } else { [1.0; Material::LEN] };
         for ((map, light), out) in maps.iter().zip(lights).zip(out) {
-            *out = self.fit.fit(map, light, out);
+            let whole = [(*map, light.whole)];
+            *out = self.fit.fit(if light.parts.is_empty() { &whole } else { light.parts }, out);
             out.deviation.iter_mut().zip(wider).for_each(|(deviation, by)| *deviation = (*deviation * by).min(WIDE));
         }
         Ok(())

@@ -13,8 +13,11 @@ use crate::scene::brdf::{distribution, fresnel, lambda};
 use crate::scene::light::LocalLight;
 use crate::scene::reflectance::{COLUMNS, FRONT_BINS, SparseMap};
 
-/// The standard deviation of a bin's radiance: a step of 8 bits.
-const NOISE: f64 = 0.004;
+/// The standard deviation of a bin's radiance, in steps of 8 bits: JPEG adds to what rounding makes.
+const STEPS: f64 = 1.35;
+
+/// The least standard deviation of a bin's radiance.
+const DARK: f64 = 0.002;
 
 /// The uncertainty of the lobe within a bin, as a share of the lobe: a bin stands for all its directions, and is compared with
 /// the lobe at its middle.
@@ -44,13 +47,19 @@ struct Seen {
     weight: f64,
     /// The bin's largest weight, by its number of pixels: 1 for the bin with the most.
     share: f64,
+    /// The variance of the bin's noise.
+    noise: f64,
     /// The sum of the squared residuals of the channels, in variances of the noise.
     far: f64,
     /// Whether most of the bin's pixels were clipped, so that its radiance is a lower bound.
     clipped: bool,
-    /// The bin's row, and the terms of its direction in the lobe.
+    /// The bin's row.
     row: usize,
-    facet: Facet,
+    /// The light that the bin was seen in.
+    sun: Vec3,
+    sky: Vec3,
+    /// The radiance of a white Lambertian in that light.
+    white: Vec3,
 }
 
 /// The terms of a pair of directions in the lobe.
@@ -72,51 +81,54 @@ pub(super) struct FitSession {
 }
 
 impl FitSession {
-    /// The most bytes that a session holds.
+    /// The most bytes that a session holds: a bin may be seen in the sun and in the shade.
     pub(super) const BYTES: u64 =
-        (FRONT_BINS * (size_of::<Seen>() + size_of::<Levels>() + size_of::<Levels<f64>>())) as u64;
+        2 * (FRONT_BINS * (size_of::<Seen>() + size_of::<Levels>() + size_of::<Levels<f64>>())) as u64;
 
-    /// Fits the material of a map in this light. `guess` is the prior, with its deviations.
-    pub(super) fn fit(&mut self, map: &SparseMap, light: &LocalLight, guess: &Estimate) -> Estimate {
+    /// Fits the material of a map whose parts were seen in these lights. `guess` is the prior, with its deviations.
+    pub(super) fn fit(&mut self, parts: &[(&SparseMap, LocalLight)], guess: &Estimate) -> Estimate {
         let prior = Prior::of(guess);
-        self.look(map, light);
-        let noise = NOISE * NOISE;
-        let first = self.solve_all(light, &prior, noise, &[SOME_KS; LEVELS]);
-        let noise = noise * self.weigh(&first, light, noise);
+        self.look(parts);
+        let first = self.solve_all(&prior, 1.0, &[SOME_KS; LEVELS]);
+        let noise = self.weigh(&first);
         let shine = std::array::from_fn(|level| first[level].ks.iter().sum::<f64>() / 3.0);
-        together(&self.solve_all(light, &prior, noise, &shine), self.seen.len())
+        together(&self.solve_all(&prior, noise, &shine), self.seen.len())
     }
 
     /// Computes the terms that stay the same while the map is fitted.
-    fn look(&mut self, map: &SparseMap, light: &LocalLight) {
-        self.seen.clear();
+    fn look(&mut self, parts: &[(&SparseMap, LocalLight)]) {
+        (self.seen.clear(), self.lobe.clear());
         let share = |count: u32| f64::from(count) / (f64::from(count) + FEW);
-        let most = map.bins.iter().map(|(_, sum)| share(sum.count)).fold(0.0, f64::max);
-        for (bin, sum) in map.bins.iter().filter(|(bin, _)| usize::from(*bin) < FRONT_BINS) {
-            let rgb = sum.mean();
-            let clipped = 2 * sum.clipped > sum.count;
-            let facet = facet(light.direction, DIRECTIONS[usize::from(*bin)]);
-            let (share, row) = (share(sum.count) / most, usize::from(*bin) / COLUMNS);
-            self.seen.push(Seen { rgb, weight: share, share, far: 0.0, clipped, row, facet });
+        let bins = parts.iter().flat_map(|(map, _)| &map.bins);
+        let most = bins.map(|(_, sum)| share(sum.count)).fold(0.0, f64::max);
+        for (map, light) in parts {
+            let LocalLight { direction, sun, sky } = *light;
+            let white = sun * direction.z.max(0.0) + sky;
+            let sunward = TABLES.alpha.map(|alpha| lambda(alpha, direction.z.max(1e-4)));
+            for (bin, sum) in map.bins.iter().filter(|(bin, _)| usize::from(*bin) < FRONT_BINS) {
+                let clipped = 2 * sum.clipped > sum.count;
+                let (share, row) = (share(sum.count) / most, usize::from(*bin) / COLUMNS);
+                let (rgb, far, weight) = (sum.mean(), 0.0, share);
+                let noise = noise(rgb).powi(2);
+                self.seen.push(Seen { rgb, weight, share, noise, far, clipped, row, sun, sky, white });
+                let Facet { cos2, sin2, scale } = facet(direction, DIRECTIONS[usize::from(*bin)]);
+                let away = &TABLES.lambda[row];
+                self.lobe.push(std::array::from_fn(|level| {
+                    distribution(TABLES.alpha[level], cos2, sin2) * scale / (1.0 + sunward[level] + away[level])
+                }));
+            }
         }
-        let sunward = TABLES.alpha.map(|alpha| lambda(alpha, light.direction.z.max(1e-4)));
-        self.lobe.clear();
-        self.lobe.extend(self.seen.iter().map(|bin| {
-            let (Facet { cos2, sin2, scale }, away) = (bin.facet, &TABLES.lambda[bin.row]);
-            std::array::from_fn(|level| {
-                distribution(TABLES.alpha[level], cos2, sin2) * scale / (1.0 + sunward[level] + away[level])
-            })
-        }));
     }
 
     /// Solves for the best kd and ks of each roughness. `noise` is the variance of the noise; `shine` is roughly each roughness's
     /// mean ks.
-    fn solve_all(&mut self, light: &LocalLight, prior: &Prior, noise: f64, shine: &Levels<f64>) -> [Solution; LEVELS] {
-        let blurred = shine.map(|ks| WITHIN_BIN * ks / noise.sqrt());
-        let (sun, sky) = (light.sun.element_sum() / 3.0, light.sky.element_sum() / 3.0);
+    fn solve_all(&mut self, prior: &Prior, larger: f64, shine: &Levels<f64>) -> [Solution; LEVELS] {
         let bins = self.seen.iter().zip(&self.lobe);
         self.weights.set(bins.clone().map(|(bin, lobe)| {
             let sheen = &TABLES.sky[bin.row];
+            let noise = bin.noise * larger;
+            let blurred = shine.map(|ks| WITHIN_BIN * ks / noise.sqrt());
+            let (sun, sky) = (bin.sun.element_sum() / 3.0, bin.sky.element_sum() / 3.0);
             let blur = |i: usize| blurred[i] * f64::from(sun * lobe[i] + sky * sheen[i]);
             (bin.weight / noise, std::array::from_fn(blur))
         }));
@@ -124,26 +136,25 @@ impl FitSession {
         let channels = [0, 1, 2].map(|c| {
             Channel::of(bins.clone().map(|((bin, lobe), weight)| {
                 let sheen = &TABLES.sky[bin.row];
-                (weight, bin.rgb[c], move |i: usize| light.sun[c] * lobe[i] + light.sky[c] * sheen[i])
+                (weight, [bin.rgb[c], bin.white[c]], move |i: usize| bin.sun[c] * lobe[i] + bin.sky[c] * sheen[i])
             }))
         });
-        let white = white(light);
-        std::array::from_fn(|level| solve(level, &self.weights, &channels, prior, white))
+        std::array::from_fn(|level| solve(level, &self.weights, &channels, prior))
     }
 
     /// Gives less weight to bins that the likeliest solution does not explain. Returns the factor by which the noise is larger than
     /// `noise`: where pixels mix neighbours, all bins are off, and that must not look like a highlight.
-    fn weigh(&mut self, solutions: &[Solution; LEVELS], light: &LocalLight, noise: f64) -> f64 {
+    fn weigh(&mut self, solutions: &[Solution; LEVELS]) -> f64 {
         let best = (0..LEVELS).max_by(|&a, &b| solutions[a].evidence.total_cmp(&solutions[b].evidence)).unwrap_or(0);
-        let (Solution { kd, ks, .. }, white) = (solutions[best], white(light));
+        let Solution { kd, ks, .. } = solutions[best];
         let mean_ks = ks.iter().sum::<f64>() / 3.0;
         for (bin, lobe) in self.seen.iter_mut().zip(&self.lobe) {
-            let shiny = light.sun * lobe[best] + light.sky * TABLES.sky[bin.row][best];
+            let shiny = bin.sun * lobe[best] + bin.sky * TABLES.sky[bin.row][best];
             let blur = WITHIN_BIN * mean_ks * f64::from(shiny.element_sum() / 3.0);
-            let off = |c: usize| kd[c] * f64::from(white[c]) + ks[c] * f64::from(shiny[c]) - f64::from(bin.rgb[c]);
+            let off = |c: usize| kd[c] * f64::from(bin.white[c]) + ks[c] * f64::from(shiny[c]) - f64::from(bin.rgb[c]);
             let off = [off(0), off(1), off(2)];
             let brighter = off.iter().all(|off| *off >= 0.0);
-            bin.far = bin.share * off.iter().map(|off| off * off).sum::<f64>() / (noise + blur * blur);
+            bin.far = bin.share * off.iter().map(|off| off * off).sum::<f64>() / (bin.noise + blur * blur);
             // An answer brighter than a clipped bin is no misfit.
             bin.weight = if bin.clipped && brighter { 0.0 } else { bin.share };
         }
@@ -158,13 +169,15 @@ impl FitSession {
     }
 }
 
-/// The radiance of a white Lambertian.
-fn white(light: &LocalLight) -> Vec3 {
-    light.sun * light.direction.z.max(0.0) + light.sky
-}
-
 fn facet(wi: Vec3, wo: Vec3) -> Facet {
     let h = (wi + wo).normalize_or_zero();
     let scale = if wi.z > 0.0 { PI * fresnel(wi.dot(h).clamp(0.0, 1.0)) / (4.0 * wo.z) } else { 0.0 };
     Facet { cos2: h.z * h.z, sin2: h.x * h.x + h.y * h.y, scale }
+}
+
+/// The standard deviation of the noise at a radiance. A step of 8 bits is small where it is dark, which is what tells the colours
+/// of what lies in the shade: the slope of sRGB's curve (IEC 61966-2-1) over 255, 2.4 / 1.055 L^(1.4 / 2.4).
+fn noise(rgb: [f32; 3]) -> f64 {
+    let mean = f64::from(rgb.iter().sum::<f32>() / 3.0);
+    DARK.hypot(STEPS * 2.4 / 1.055 / 255.0 * mean.max(0.0).powf(1.4 / 2.4))
 }

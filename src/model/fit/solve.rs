@@ -1,7 +1,5 @@
 //! From sums over bins to materials: the best kd and ks of a roughness, its evidence, and the answer of all roughnesses together.
 
-use glam::Vec3;
-
 use super::sums::{Channel, Weights};
 use super::tables::{LEVELS, Levels, TABLES};
 use crate::base::convert::to_f32;
@@ -68,16 +66,15 @@ pub(super) struct Solution {
     pub evidence: f64,
 }
 
-/// Solves for kd and ks of one roughness, channel by channel. `white` is the radiance of a white Lambertian in the light.
-pub(super) fn solve(level: usize, weights: &Weights, channels: &[Channel; 3], prior: &Prior, white: Vec3) -> Solution {
+/// Solves for kd and ks of one roughness, channel by channel.
+pub(super) fn solve(level: usize, weights: &Weights, channels: &[Channel; 3], prior: &Prior) -> Solution {
     let mut solution =
         Solution { evidence: prior.roughness[level] - 1.5 * weights.spread[level], ..Solution::default() };
-    let (w, mut dets) = (weights.sum[level], 1.0);
+    let mut dets = 1.0;
     for (c, sums) in channels.iter().enumerate() {
-        let (a, wb, wbb, wbl) = (f64::from(white[c]), sums.wb[level], sums.wbb[level], sums.wbl[level]);
         let (before, sure) = ([prior.mean[c], prior.mean[3 + c]], [prior.precision[c], prior.precision[3 + c]]);
-        let right = [a * sums.wl[level] + sure[0] * before[0], wbl + sure[1] * before[1]];
-        let normal = [a * a * w + sure[0], a * wb, wbb + sure[1]];
+        let right = [sums.wal[level] + sure[0] * before[0], sums.wbl[level] + sure[1] * before[1]];
+        let normal = [sums.waa[level] + sure[0], sums.wab[level], sums.wbb[level] + sure[1]];
         let [kd, ks] = solve_within(normal, right);
         let [n, m, k] = normal;
         let misfit = sums.wll[level] + sure[0] * before[0].powi(2) + sure[1] * before[1].powi(2)

@@ -5,6 +5,7 @@
 use std::collections::BTreeMap;
 use std::sync::{Arc, OnceLock};
 
+use glam::Vec3;
 use rayon::prelude::*;
 
 use super::frozen::{Frozen, Names};
@@ -16,7 +17,7 @@ use crate::base::{PhaseName, Result};
 use crate::config::Effect;
 use crate::disk::{self, Damage, Ledger, Recipe, Store, UnitName};
 use crate::phases::cause::{FORMAT, FrameInput};
-use crate::phases::light::FrozenLight;
+use crate::phases::light::{FrozenLight, sun_of};
 use crate::phases::scene::LoadedScene;
 use crate::phases::units::Unit;
 use crate::pipeline::Pipeline;
@@ -48,6 +49,8 @@ pub(crate) struct FrameGroups {
     looks: Vec<Group>,
     /// The logarithm of each frame's gain, where it is known for the image that is there.
     gains: Vec<Option<f32>>,
+    /// The direction of the sun, where one is known.
+    sun: Option<Vec3>,
 }
 
 impl FrameGroups {
@@ -91,8 +94,8 @@ impl FrameGroups {
     ) -> Result<Self> {
         let planned = list.groups(&scene.frames, pipeline.gather.group);
         let frames = Ingredients::of(&scene.frames, readable);
-        let (groups, looks, gains) = Default::default();
-        let mut all = FrameGroups { list, planned, frames, groups, looks, gains };
+        let (groups, looks, gains, sun) = Default::default();
+        let mut all = FrameGroups { list, planned, frames, groups, looks, gains, sun };
         all.look(pipeline, ledger, scene, light)?;
         all.cast(pipeline, ledger, scene, light)?;
         Ok(all)
@@ -113,6 +116,11 @@ impl FrameGroups {
         self.gains.iter().map(|log| log.map_or(1.0, f32::exp)).collect()
     }
 
+    /// The direction of the sun, where one is known: observations are kept apart by its light.
+    pub(crate) fn sun(&self) -> Option<Vec3> {
+        self.sun
+    }
+
     /// Gives the units of looking the recipes that they have now.
     fn look(&mut self, pipeline: &Pipeline, ledger: &Ledger, scene: &LoadedScene, light: &FrozenLight) -> Result<()> {
         if !pipeline.is_looked_at() {
@@ -129,7 +137,7 @@ impl FrameGroups {
         Ok(())
     }
 
-    /// Gives the units of casting the recipes that they have now, with the gains that are known now.
+    /// Gives the units of casting the recipes that they have now, with the gains and the sun that are known now.
     ///
     /// # Errors
     /// A unit record that cannot be read.
@@ -140,9 +148,12 @@ impl FrameGroups {
         scene: &LoadedScene,
         light: &FrozenLight,
     ) -> Result<()> {
+        self.sun = sun_of(pipeline, light);
+        let sun = if pipeline.estimates_light() { PhaseName::Light.as_str() } else { "light.sun" };
         let recipe = Recipe::new(PhaseName::Cast, "")
             .with("scene.mesh", scene.mesh_key)
             .with(FORMAT, VERSION)
+            .with_or_without(sun, self.sun.map(|sun| sun.to_string()))
             .with_all(pipeline.ingredients(Effect::Cast));
         self.gains = vec![None; scene.frames.len()];
         for group in &self.looks {

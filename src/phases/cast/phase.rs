@@ -23,6 +23,7 @@ use crate::pipeline::Pipeline;
 use crate::stages::cast::{self, Counts};
 use crate::stages::frames::Frames;
 use crate::stages::gather::{Gather, SEGMENT, read_tally};
+use crate::stages::sunlit::Sunlit;
 use crate::trace::Bvh;
 
 /// The phase; a unit is a group of frames.
@@ -53,8 +54,8 @@ impl Phase for Cast {
     fn units(&self, known: &Known<'_>, _: &dyn Store, ledger: &Ledger) -> Result<Units> {
         let surveyed = known.surveyed()?;
         let all = surveyed.groups.all().iter().map(Group::unit).collect();
-        // Before exposures are found for the first time, all is to come.
-        let waits = known.pipeline.solves_exposure() && surveyed.light.state().gains.is_empty();
+        // Before exposures and light are found for the first time, all is to come.
+        let waits = known.pipeline.is_looked_at() && surveyed.light.state().sightings.is_none();
         let looked = surveyed.groups.looks().iter().all(|group| ledger.is_done(&group.recipe.unit()));
         let extent = if waits && !looked { Extent::Renewed } else { Extent::Exact };
         Ok(Units { noun: "frames", all, extent })
@@ -115,8 +116,18 @@ impl Phase for Cast {
         let decode = scene.decode(pipeline);
         let (tile, downscale) = (pipeline.cast.tile, pipeline.decode.downscale);
         let gains = surveyed.groups.gains();
-        let cast =
-            cast::Cast { frames: &scene.frames, mesh: &scene.mesh, bvh: &bvh, tile, downscale, piece, gains: &gains };
+        let sunlit = surveyed.groups.sun().map(|sun| Sunlit::new(sun, &scene.mesh, &bvh));
+        let sunlit = sunlit.as_ref();
+        let cast = cast::Cast {
+            frames: &scene.frames,
+            mesh: &scene.mesh,
+            bvh: &bvh,
+            tile,
+            downscale,
+            piece,
+            gains: &gains,
+            sunlit,
+        };
         let commits = Commits::new(&ledger, &scene.frames);
         let commit = |group: &_, contents: &_, files| commits.commit(group, contents, files);
         let gather = Gather::new(&groups, store, rows, &commit);

@@ -3,7 +3,7 @@
 
 use rayon::prelude::*;
 
-use super::share::left_for_a_frame;
+use super::share::{left_for_a_frame, sunlit};
 use crate::base::ids::FrameId;
 use crate::codec::images::Need;
 use crate::phases::scene::LoadedScene;
@@ -31,7 +31,8 @@ impl Readable {
             Err(_) if made => None,
             Err(_) => Some(Need::usual(pixels(pipeline, frame)).peak),
         };
-        let left = left_for_a_frame(pipeline.cast.tile, pipeline.run.memory.0.saturating_sub(process));
+        let held = process + sunlit(pipeline, scene.mesh.len() as u64);
+        let left = left_for_a_frame(pipeline.cast.tile, pipeline.run.memory.0.saturating_sub(held));
         Readable { left, needs: scene.frames.par_iter().map(need).collect() }
     }
 

@@ -8,6 +8,8 @@ use crate::phases::facts::Facts;
 use crate::phases::takes::{QUEUE, STACK, StageTakes};
 use crate::pipeline::Pipeline;
 use crate::shard::Record;
+use crate::stages::light::Mode;
+use crate::stages::sunlit::Sunlit;
 use crate::stages::{cast, gather};
 
 /// The least and the most bytes of a frame's rows that are handed on as a piece.
@@ -29,6 +31,8 @@ pub(super) struct CastNeeds {
     pub group: u64,
     /// Edge length of a tile, pixels.
     pub tile: u32,
+    /// Bytes that say where the sun reaches the mesh.
+    pub sunlit: u64,
 }
 
 /// How the cast phase shares its memory.
@@ -38,7 +42,7 @@ pub(super) struct CastShare {
     pub workers: usize,
     /// Bytes of a frame's rows from which on they are handed on in pieces.
     pub piece: u64,
-    /// Bytes of the workers' scratch, their stacks, and the pieces that are alive.
+    /// Bytes of the workers' scratch, their stacks, the pieces that are alive, and where the sun reaches the mesh.
     pub casting: u64,
     /// Bytes that gather may hold.
     pub gather: u64,
@@ -46,6 +50,11 @@ pub(super) struct CastShare {
     pub compressing: u64,
     /// Bytes that frames under way may hold.
     pub frames: u64,
+}
+
+/// The bytes that say where the sun reaches a mesh of so many triangles, if a sun may be known.
+pub(super) fn sunlit(pipeline: &Pipeline, triangles: u64) -> u64 {
+    if pipeline.light.mode == Mode::Unknown { 0 } else { Sunlit::BYTES_PER_TRIANGLE * triangles }
 }
 
 /// The bytes of `memory` that are left for a frame where it is the only one under way.
@@ -64,6 +73,7 @@ impl CastNeeds {
             rows: facts.largest.min(2 * facts.triangles) * Record::BYTES,
             group: u64::from(pipeline.gather.group).min(facts.frames),
             tile: pipeline.cast.tile,
+            sunlit: sunlit(pipeline, facts.triangles),
         }
     }
 
@@ -118,7 +128,8 @@ impl CastNeeds {
         // A piece ends with the tile that filled it.
         let whole = piece + cast::tile_bytes(self.tile);
         let casting = workers as u64 * (cast::tile_bytes(self.tile) + 2 * STACK)
-            + cast::pieces_alive(workers, QUEUE) as u64 * whole;
+            + cast::pieces_alive(workers, QUEUE) as u64 * whole
+            + self.sunlit;
         let (gather, frames) = (gather::least(whole), workers as u64 * self.frame);
         CastShare { workers, piece, casting, gather, compressing: COMPRESSING, frames }
     }
@@ -137,7 +148,7 @@ mod tests {
 
     const MIB: u64 = 1 << 20;
 
-    const CAST: CastNeeds = CastNeeds { workers: 16, frame: 40 * MIB, rows: 20 * MIB, group: 8, tile: 32 };
+    const CAST: CastNeeds = CastNeeds { workers: 16, frame: 40 * MIB, rows: 20 * MIB, group: 8, tile: 32, sunlit: 0 };
 
     #[test]
     fn less_memory_means_fewer_workers_and_never_more_than_there_is() {

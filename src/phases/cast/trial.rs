@@ -167,7 +167,7 @@ fn cast(
         }
     };
     let frames = std::slice::from_ref(frame);
-    let cast = Cast { frames, mesh, bvh, tile, downscale, piece: u64::MAX, gains: &[1.0] };
+    let cast = Cast { frames, mesh, bvh, tile, downscale, piece: u64::MAX, gains: &[1.0], sunlit: None };
     let one = |window: &Tile| -> Result<Cost> {
         let mut scratch = cast.scratch()?;
         let started = Instant::now();

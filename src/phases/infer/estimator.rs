@@ -71,7 +71,7 @@ impl TriedEstimator {
         let mut session = estimator.session()?;
         let mut answers = vec![Estimate::default(); maps.len()];
         let light = LocalLight { direction: Vec3::Z, sun: Vec3::ONE, sky: Vec3::ZERO };
-        let lights = vec![light; maps.len()];
+        let lights = vec![light.into(); maps.len()];
         let lights = estimator.contract().light.wanted().then_some(lights.as_slice());
         session.estimate(&maps, lights, &mut answers)?;
         let started = Instant::now();
