@@ -72,7 +72,8 @@ impl TileReach {
         self.size = size;
         self.pixels.clear();
         self.pixels.resize((size.x * size.y) as usize, Reach::Untold);
-        (self.origins.clear(), self.asked.clear());
+        self.origins.clear();
+        self.asked.clear();
         for PixelHit { pixel, direction, hit } in hits.filter(|ray| ray.hit.is_some()) {
             let Some(normal) = mesh.normal(hit.triangle).filter(|normal| normal.dot(direction) < 0.0) else { continue };
             let at = (pixel.y * size.x + pixel.x) as usize;

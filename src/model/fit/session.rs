@@ -97,7 +97,8 @@ impl FitSession {
 
     /// Computes the terms that stay the same while the map is fitted.
     fn look(&mut self, parts: &[(&SparseMap, LocalLight)]) {
-        (self.seen.clear(), self.lobe.clear());
+        self.seen.clear();
+        self.lobe.clear();
         let share = |count: u32| f64::from(count) / (f64::from(count) + FEW);
         let bins = parts.iter().flat_map(|(map, _)| &map.bins);
         let most = bins.map(|(_, sum)| share(sum.count)).fold(0.0, f64::max);
