@@ -36,6 +36,7 @@ pub(super) fn table(report: &Report) -> String {
     }
     lines.row("triangles", format!("{} ({triangles})", t.total));
     report.up.iter().for_each(|up| lines.row("axes", up.clone()));
+    report.georeference.iter().for_each(|place| lines.row("coordinates", place.to_string()));
     found::rows(&mut lines, report);
     lines.row("estimator", report.backend.clone());
     lines.row("memory", format!("{} lent at most", Bytes(report.memory_peak)));
@@ -75,6 +76,7 @@ mod tests {
     use crate::base::PhaseName;
     use crate::flow::{Meter, Skipped};
     use crate::phases::{FrameCounts, LightReport, PhaseReport, ShardCounts, TriangleCounts};
+    use crate::scene::georeference::Georeference;
 
     #[test]
     fn the_table_says_it_all() {
@@ -100,6 +102,7 @@ mod tests {
             triangles: TriangleCounts { total: 50_123, degenerate: 3, seen: 45_000, filled: 5_000, empty: 123 },
             segment_bytes: 12_345_678,
             up: Some("up is [0.000, 0.000, 1.000], by the plane of the ground".into()),
+            georeference: Some(Georeference { crs: "UTM 33N".parse().ok(), offset: [412_000.0, 5_812_000.5, 0.0] }),
             light: Some(LightReport {
                 sun: Some([0.6, 0.0, 0.8]),
                 sun_degrees: 0.75,
@@ -135,6 +138,7 @@ mod tests {
     shards         13 (4 inferred, 9 from before)
     triangles      50123 (45000 seen, 5000 filled, 123 without a material, 3 without area)
     axes           up is [0.000, 0.000, 1.000], by the plane of the ground
+    coordinates    EPSG:32633 minus the offset 412000 5812000.5 0
     sun            [0.6000, 0.0000, 0.8000] within 0.8 degrees, turned 1.50
     light          sun 0.900 0.850 0.800, sky 0.100 0.125 0.250; white 1.00
                    shadows say so

@@ -49,7 +49,11 @@ pub fn load(path: &Path, sets: &[OsString]) -> Result<Pipeline, Problems> {
     if !faults.is_empty() {
         return Err(faults.of_file(path));
     }
-    pipeline.scene.find_up(pipeline.synth.is_some());
+    pipeline.scene.find_coordinates(pipeline.synth.is_some());
+    if pipeline.light.mode == Mode::Ephemeris {
+        let north = pipeline.scene.georeference().and_then(|place| place.north());
+        pipeline.light.north = pipeline.light.north.or(north.map(|north| north.to_array()));
+    }
     if pipeline.light.mode == Mode::Ephemeris
         && let Err(problem) = pipeline.light.north(pipeline.scene.up)
     {

@@ -4,11 +4,11 @@ use std::path::PathBuf;
 
 use glam::{DVec3, Vec3};
 
-use crate::base::patience::Patience;
-use crate::codec::meshes;
-use crate::codec::poses::{self, PhotographFolder, PoseFormat, Target};
+use super::crs::Written;
+use crate::codec::poses::{self, PoseFormat, Target};
 use crate::config::raw::Node;
 use crate::config::{Choice, Effect, FromToml, Key, Keys, Leads, Problem, Section, Settings, Value};
+use crate::scene::georeference::{Crs, Georeference};
 use crate::scene::up::Upright;
 
 /// Section `[scene]`: the inputs. All paths are resolved.
@@ -24,6 +24,10 @@ pub struct Scene {
     pub up: [f64; 3],
     /// Where the way up is known from.
     pub up_from: UpFrom,
+    /// The system of the coordinates, given or told by what lies beside poses and mesh.
+    pub crs: Option<Crs>,
+    /// What is added to the mesh's coordinates to give those of the system, given or told likewise.
+    pub offset: Option<[f64; 3]>,
     /// The cameras.
     pub poses: Poses,
 }
@@ -89,9 +93,21 @@ impl Section for Scene {
         },
         Key {
             name: "up",
-            doc: "The way up in the mesh's coordinates. \"auto\": cameras that are held level tell it, or else the ground; or a \
-                  vector, as [0.0, 0.0, 1.0].",
+            doc: "The way up in the mesh's coordinates. \"auto\": crs tells it, or cameras that are held level, or else the \
+                  ground; or a vector, as [0.0, 0.0, 1.0].",
             value: Value::Default("\"auto\""),
+        },
+        Key {
+            name: "crs",
+            doc: "The coordinate reference system that the mesh lies in, by its EPSG number or UTM zone. Without it, what \
+                  OpenDroneMap, Metashape, or a metadata.xml or .prj beside the mesh says. Exports and report.json name it.",
+            value: Value::Optional("\"EPSG:32633\""),
+        },
+        Key {
+            name: "offset",
+            doc: "What is added to the mesh's coordinates to give coordinates of crs. Without it, what OpenDroneMap, or a \
+                  metadata.xml or offset.xyz beside the mesh says, or nothing.",
+            value: Value::Optional("[412000.0, 5812000.0, 0.0]"),
         },
         Key { name: "poses", doc: "The poses of the cameras.", value: Value::Section },
     ];
@@ -105,18 +121,24 @@ impl Section for Scene {
         let length = DVec3::from(up).length_squared();
         let rule = "must be a finite vector that is not zero, as [0, 0, 1]";
         keys.check("up", length.is_finite() && length > 0.0, rule);
+        let crs = keys.optional::<Written>("crs").map(|Written(crs)| crs);
+        let offset: Option<[f64; 3]> = keys.optional("offset");
+        let is_finite = offset.is_none_or(|offset| DVec3::from(offset).is_finite());
+        keys.check("offset", is_finite, "must be three finite numbers");
         Scene {
             mesh: keys.path("mesh", mesh),
             images: keys.path("images", images),
             masks: keys.optional_path("masks", masks),
             up,
             up_from: if given.is_some() { UpFrom::Given } else { UpFrom::Scene(None) },
+            crs,
+            offset,
             poses: Poses::read(&keys.section("poses", Poses::OUTLINE)),
         }
     }
 
     fn settings(&self) -> Settings {
-        let Scene { mesh, images, masks, up, up_from: _, poses } = self;
+        let Scene { mesh, images, masks, up, up_from: _, crs, offset, poses } = self;
         Settings::of(Self::NAME)
             .with("mesh", mesh, Effect::Input)
             .with("images", images, Effect::Input)
@@ -125,12 +147,14 @@ impl Section for Scene {
             .with("up", up, Effect::Light)
             .with("up", up, Effect::Look)
             .with("up", up, Effect::Axes)
+            .optional("crs", crs.map(|crs| crs.to_string()), Effect::Place)
+            .optional("offset", *offset, Effect::Place)
             .and(poses.settings())
     }
 }
 
 /// The way up where nothing tells it.
-const USUAL: [f64; 3] = [0.0, 0.0, 1.0];
+pub(super) const USUAL: [f64; 3] = [0.0, 0.0, 1.0];
 
 impl Scene {
     /// The unit vector up.
@@ -138,21 +162,10 @@ impl Scene {
         DVec3::from(self.up).as_vec3().normalize_or_zero()
     }
 
-    /// Finds the way up, unless it is given. A city that the pipeline makes has its own.
-    pub(super) fn find_up(&mut self, makes_city: bool) {
-        if self.up_from == UpFrom::Given {
-            return;
-        }
-        if makes_city {
-            self.up_from = UpFrom::Given;
-            return;
-        }
-        let (patience, photographs) = (Patience::default(), PhotographFolder::new(&self.images));
-        let frames = patience.with(|| poses::read(self.poses.format, &self.poses.path, &photographs)).ok();
-        let ground = || patience.with(|| meshes::sample(&self.mesh)).ok();
-        let found = frames.and_then(|frames| Upright::of(&frames, ground));
-        self.up = found.map_or(USUAL, |found| found.up);
-        self.up_from = UpFrom::Scene(found);
+    /// Where on the earth the scene lies, if anything tells it.
+    pub(crate) fn georeference(&self) -> Option<Georeference> {
+        let Scene { crs, offset, .. } = *self;
+        (crs.is_some() || offset.is_some()).then(|| Georeference { crs, offset: offset.unwrap_or_default() })
     }
 }
 

@@ -6,6 +6,7 @@ pub(crate) mod brdf;
 pub(crate) mod camera;
 pub(crate) mod evidence;
 pub(crate) mod frame;
+pub(crate) mod georeference;
 pub(crate) mod light;
 pub(crate) mod material;
 pub(crate) mod mesh;

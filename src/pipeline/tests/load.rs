@@ -94,7 +94,7 @@ x = 1
     insta::assert_snapshot!(text, @r#"
     p.toml:2:1: mesh: no such section; the known ones are synth, scene, decode, cast, gather, infer, merge, light, export, run; `mesh` is a key of [scene]
     p.toml:3:2: scene.mesh: is needed; add `mesh = "PATH"`
-    p.toml:4:1: scene.meshh: no such key; the known ones are mesh, images, masks, up, poses; did you mean `mesh`?
+    p.toml:4:1: scene.meshh: no such key; the known ones are mesh, images, masks, up, crs, offset, poses; did you mean `mesh`?
     p.toml:5:10: scene.images: no such folder; got photos; put the photographs there, or name their folder: --set scene.images=PATH
     p.toml:6:20: scene.poses.format: must be "colmap" or "opendronemap" or "opensfm" or "metashape" or "transforms" or "realitycapture" or "blendedmvs" or "tanks_and_temples" or "alicevision" or "openmvs" or "bundler" or "nvm" or "pix4d" or "micmac" or "blocks_exchange"; got "colmpa"; did you mean `colmap`?
     p.toml:6:37: scene.poses.path: must be a folder, and is a file; got mesh.ply; name the folder that holds cameras.bin and images.bin, or both as .txt: --set scene.poses.path=PATH
@@ -130,10 +130,10 @@ fn what_is_no_table_of_sections_is_told() {
     p.toml: scene.poses.path: is needed; add `path = "PATH"`
     "#);
     let sparse = TEMPLATE.replace("sparse/0", "sparse");
-    insta::assert_snapshot!(problems(&sparse, &[]), @r#"p.toml:33:8: scene.poses.path: must hold cameras.bin and images.bin, or both as .txt; got sparse; did you mean sparse/0?"#);
+    insta::assert_snapshot!(problems(&sparse, &[]), @r#"p.toml:39:8: scene.poses.path: must hold cameras.bin and images.bin, or both as .txt; got sparse; did you mean sparse/0?"#);
     insta::assert_snapshot!(problems("scene = 3\nrun = []", &[]), @r#"
     p.toml: scene.poses.path: is needed; add `path = "PATH"`
-    p.toml:1:9: scene: must be a table of keys; got 3; its keys are mesh, images, masks, up, poses
+    p.toml:1:9: scene: must be a table of keys; got 3; its keys are mesh, images, masks, up, crs, offset, poses
     p.toml:2:7: run: must be a table of keys; got a list of 0; its keys are work, memory, threads, grace, verify, holdout
     "#);
     insta::assert_snapshot!(problems("[scene\nmesh = a\n[run]\n[run]\n", &[]), @r#"

@@ -1,5 +1,6 @@
 //! How pipeline files are read: the words of problems, every key's effect, the template.
 
+mod coordinates;
 mod keys;
 mod load;
 mod template;

@@ -1,7 +1,8 @@
-//! Every format against the same cameras (`same_rays`), against damage (`damaged`), against what it must refuse (`refused`),
+//! Every format against the same cameras (`same_rays`), what it says of their place (`places`), against damage (`damaged`), against what it must refuse (`refused`),
 //! and against files of the programs themselves, where they are there (`real`).
 
 mod damaged;
+mod places;
 mod real;
 mod refused;
 mod same_rays;
