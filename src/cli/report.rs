@@ -1,17 +1,19 @@
 //! The table at the end of a run.
 
 use std::fmt::Write;
+use std::path::{Path, PathBuf};
 
 use super::found;
 use super::print::{Lines, clock, short};
 use crate::base::units::Bytes;
-use crate::phases::{Report, StageReport};
+use crate::phases::{REPORT, Report, StageReport};
+use crate::stages::merge::{EVIDENCE, MATERIALS};
 
 /// Skipped items that are listed; `report.json` has all.
 const LISTED: usize = 20;
 
-/// The report as lines of text.
-pub(super) fn table(report: &Report) -> String {
+/// The report as lines of text; the last says where to look, in a run's folder.
+pub(super) fn table(report: &Report, work: &Path) -> String {
     let mut lines = Lines::default();
     let (f, t) = (&report.frames, &report.triangles);
     for item in report.skipped.iter().take(LISTED) {
@@ -49,10 +51,20 @@ pub(super) fn table(report: &Report) -> String {
         let busy = 100.0 * stage.busy_share();
         lines.row("bottleneck", format!("{}, busy {busy:.0}% of its time", stage.name));
     }
-    for path in &report.outputs {
-        lines.row("written", path.display().to_string());
-    }
+    lines.row("results", format!("{}: {}", work.display(), results(report, work)));
     lines.finish()
+}
+
+/// The files of a run's folder that people look at, what is seen first.
+fn results(report: &Report, work: &Path) -> String {
+    let shown = |path: &PathBuf| path.strip_prefix(work).unwrap_or(path).display().to_string();
+    let mut exports: Vec<String> = report.outputs.iter().map(shown).collect();
+    exports.sort_by_key(|name| !name.ends_with(".glb"));
+    if let Some(first) = exports.first_mut().filter(|name| name.ends_with(".glb")) {
+        first.push_str(" (Blender and any glTF viewer open it)");
+    }
+    let tables = [MATERIALS, EVIDENCE, REPORT].map(str::to_owned);
+    exports.into_iter().chain(tables).collect::<Vec<_>>().join(", ")
 }
 
 fn line(stage: &StageReport) -> String {
@@ -125,9 +137,9 @@ mod tests {
             stages: vec![stage("decode", 2, 30.0, 1.0, 100.0), stage("cast", 2, 140.0, 5.0, 1.0)],
             skipped: (0..22).map(item).collect(),
             units: vec![],
-            outputs: vec!["work/export/scene.glb".into()],
+            outputs: vec!["work/export/scene.ply".into(), "work/export/scene.glb".into()],
         };
-        let text = table(&report);
+        let text = table(&report, Path::new("work"));
         let end = text.find("and 2 more").unwrap();
         assert_eq!(text[..end].lines().count(), 2 * LISTED);
         insta::assert_snapshot!(&text[end..], @r#"
@@ -151,8 +163,8 @@ mod tests {
         decode       30.0 s busy on 2 threads: 23%, waiting 1% in 76% out
         cast           2:20 busy on 2 threads: 96%, waiting 3% in 1% out
     bottleneck     cast, busy 96% of its time
-    written        work/export/scene.glb
+    results        work: export/scene.glb (Blender and any glTF viewer open it), export/scene.ply, materials.npy, evidence.npy, report.json
     "#);
-        assert!(table(&Report::default()).lines().count() > 5);
+        assert!(table(&Report::default(), Path::new("")).lines().count() > 5);
     }
 }
