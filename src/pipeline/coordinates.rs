@@ -24,10 +24,8 @@ impl Scene {
         }
         let (patience, photographs) = (Patience::default(), PhotographFolder::new(&self.images));
         let posed = patience.with(|| poses::look(self.poses.format, &self.poses.path, &photographs)).ok();
-        let told = posed.as_ref().and_then(|posed| posed.georeference);
-        let told =
-            told.or_else(|| [&self.poses.path, &self.mesh].into_iter().find_map(|path| georeference::beside(path)));
-        if let Some(told) = told {
+        let by_poses = posed.as_ref().and_then(|posed| posed.georeference);
+        if let Some(told) = told(by_poses, &self.poses.path, self.mesh.first()) {
             self.crs = self.crs.or(told.crs);
             self.offset = self.offset.or(Some(told.offset));
         }

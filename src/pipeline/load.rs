@@ -43,7 +43,7 @@ pub fn load(path: &Path, sets: &[OsString]) -> Result<Pipeline, Problems> {
     let mut root = raw::read(path).map_err(|faults| faults.of_file(path))?;
     let mut refused = Faults::default();
     sets.iter().filter_map(|set| raw::set(&mut root, set).err()).for_each(|problem| refused.add(problem));
-    let document = Document::new(&root, path.parent().unwrap_or(Path::new("")), refused);
+    let document = Document::new(&root, path, refused);
     let mut pipeline = read(&document, path);
     let faults = document.into_faults();
     if !faults.is_empty() {

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use glam::{DVec3, Vec3};
 
 use super::crs::Written;
+use crate::base::paths::Paths;
 use crate::codec::poses::{self, PoseFormat, Target};
 use crate::config::raw::Node;
 use crate::config::{Choice, Effect, FromToml, Key, Keys, Leads, Problem, Section, Settings, Value};
@@ -14,8 +15,8 @@ use crate::scene::up::Upright;
 /// Section `[scene]`: the inputs. All paths are resolved.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scene {
-    /// The triangle mesh.
-    pub mesh: PathBuf,
+    /// The triangle mesh, in one file or several.
+    pub mesh: Paths,
     /// The folder of the images that the poses name.
     pub images: PathBuf,
     /// The folder of masks; 0 where a pixel is to be ignored.
@@ -75,7 +76,7 @@ impl Section for Scene {
         Key {
             name: "mesh",
             doc: "The triangle mesh, PLY, OBJ, glTF, STL or OFF, in the coordinates of the poses. Large coordinates (UTM) are fine. A \
-                  * stands for any part of a name: \"tiles/*.obj\" is all of these files, as one mesh.",
+                  * stands for any part of a name: \"tiles/*.obj\" is all of these files, as one mesh. So is a list, [\"a.obj\", \"b.ply\"].",
             value: Value::Needed("\"mesh.ply\""),
         },
         Key {
@@ -126,14 +127,14 @@ impl Section for Scene {
         let is_finite = offset.is_none_or(|offset| DVec3::from(offset).is_finite());
         keys.check("offset", is_finite, "must be three finite numbers");
         Scene {
-            mesh: keys.path("mesh", mesh),
+            mesh: keys.paths("mesh", &mesh),
             images: keys.path("images", images),
             masks: keys.optional_path("masks", masks),
             up,
             up_from: if given.is_some() { UpFrom::Given } else { UpFrom::Scene(None) },
             crs,
             offset,
-            poses: Poses::read(&keys.section("poses", Poses::OUTLINE)),
+            poses: Poses::read(&keys.section_or("poses", Poses::OUTLINE, "path")),
         }
     }
 
@@ -171,7 +172,7 @@ impl Scene {
 
 impl Section for Poses {
     const NAME: &'static str = "scene.poses";
-    const ABOUT: &'static str = "Where the cameras stood.";
+    const ABOUT: &'static str = "Where the cameras stood. poses = \"PATH\" in [scene] stands for this section, where the files tell their format.";
     const KEYS: &'static [Key] = &[
         Key {
             name: "format",
@@ -187,6 +188,9 @@ impl Section for Poses {
     ];
 
     fn read(keys: &Keys<'_>) -> Self {
+        if keys.is_short() {
+            return Poses::found(keys);
+        }
         let format: &'static PoseFormat = keys.choice("format");
         let missing = format!("{}: --set scene.poses.path=PATH", format.advice);
         let leads = match format.target {
@@ -209,5 +213,29 @@ impl Section for Poses {
     fn settings(&self) -> Settings {
         let Poses { format, path } = self;
         Settings::of(Self::NAME).with("format", format.name, Effect::Input).with("path", path, Effect::Input)
+    }
+}
+
+impl Poses {
+    /// Poses of which only the path is given: their format is the one whose files are there.
+    fn found(keys: &Keys<'_>) -> Self {
+        let path =
+            keys.path("path", Leads::to_file_or_folder("name the folder or file of the poses: --set scene.poses=PATH"));
+        // What a run makes is a city's.
+        if keys.is_made("path", &path) || !keys.is_good("path") {
+            return Poses { format: &poses::COLMAP, path };
+        }
+        let formats = poses::formats_at(&path);
+        let names: Vec<&str> = formats.iter().map(|format| format.name).collect();
+        let (rule, hint) = match names[..] {
+            [] => {
+                let all: Vec<&str> = poses::FORMATS.iter().map(|format| format.name).collect();
+                ("holds no poses that are known by their files".to_owned(), format!("one of {}", all.join(", ")))
+            }
+            [first, ..] => (format!("may be {}", names.join(" or ")), format!("\"{first}\"")),
+        };
+        let hint = format!("say which: poses = {{ format = {hint}, path = .. }}");
+        keys.check("path", names.len() == 1, Problem::new(rule).got(path.display().to_string()).hint(hint));
+        Poses { format: formats.first().copied().unwrap_or(&poses::COLMAP), path }
     }
 }

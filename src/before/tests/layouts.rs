@@ -103,6 +103,7 @@ fn the_folders_of_programs_are_read_as_they_were_written() {
         write(&file, &text(&found)).unwrap();
         let scene = load(&file, &[]).unwrap().scene;
         let [path, images, mesh] = layout.found.map(|name| folder.path().join(name));
+        let mesh = mesh.into();
         assert_eq!((&scene.poses.path, &scene.images, &scene.mesh), (&path, &images, &mesh));
         let frames = poses::read(scene.poses.format, &path, &PhotographFolder::new(&images)).unwrap();
         let says = WRITTEN.iter().find(|written| written.name == layout.poses[0].0).unwrap().says;

@@ -3,6 +3,7 @@
 mod coordinates;
 mod keys;
 mod load;
+mod short;
 mod template;
 
 use std::ffi::OsString;
