@@ -89,7 +89,7 @@ fn poses_that_see_nothing_of_the_mesh_are_told_of() {
     let mut out = Vec::new();
     ply::write_mesh(&mut out, &Mesh::new(&moved, city.triangles.to_vec()).unwrap(), &[]).unwrap();
     fs::write(&mesh, out).unwrap();
-    let apart = "no camera has the mesh before it: it lies about 10";
+    let apart = "no camera has the mesh before it: it lies about 999";
     Ran::gonio(dir.path(), "check p.toml").ends(0).says(apart).says("both must be in the same coordinates");
     run(&dir, "work", "", 1).says(apart).says("no pixel of any photograph saw the mesh from the front: mesh and poses");
 }
