@@ -30,7 +30,9 @@ pub mod codec {
         }
     }
     pub mod poses {
-        pub use crate::codec::poses::{COLMAP, NoPhotographs, PhotographFolder, Photographs, read};
+        pub use crate::codec::poses::{
+            COLMAP, FORMATS, NoPhotographs, PhotographFolder, Photographs, PoseFormat, read,
+        };
 
         pub mod colmap {
             pub use crate::codec::poses::colmap::{Encoding, write_model};

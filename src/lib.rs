@@ -89,4 +89,5 @@ pub use pipeline::{Pipeline, load, template};
 pub use run::{Explanation, Foreseen, PhaseExplanation, Plan, PlannedPhase, explain, find_light, plan, run};
 pub use scene::Material;
 pub use scene::evidence::{Evidence, Filled};
+pub use scene::georeference::{Crs, Georeference};
 pub use scene::reflectance::{Bin, BinSum, SparseMap, direction_of};

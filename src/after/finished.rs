@@ -49,7 +49,7 @@ impl Finished {
         let materials = Materials::open(&*store)?;
         let same = tables.ingredient("scene.mesh") == Some(&scene.mesh_key.to_string());
         if !same || scene.mesh.len() != materials.rows.len() {
-            let mesh = pipeline.scene.mesh.display();
+            let mesh = &pipeline.scene.mesh;
             return Err(again(&format!("the materials in {work} are not those of {mesh}")));
         }
         let light = match pipeline.light.mode {

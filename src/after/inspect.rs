@@ -64,7 +64,7 @@ pub fn read_maps(pipeline: &Pipeline, triangles: &[TriangleId]) -> Result<Vec<Sp
     if let Some(beyond) = triangles.iter().find(|t| t.index() >= scene.mesh.len()) {
         return Err(Error::invalid(format!(
             "there is no triangle {beyond}: {} has {}, counted from 0",
-            pipeline.scene.mesh.display(),
+            pipeline.scene.mesh,
             scene.mesh.len()
         )));
     }

@@ -12,6 +12,7 @@ pub(crate) mod ids;
 pub(crate) mod input;
 pub(crate) mod key;
 pub(crate) mod memory;
+pub(crate) mod paths;
 pub(crate) mod patience;
 pub(crate) mod pattern;
 pub(crate) mod phase;

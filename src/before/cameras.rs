@@ -10,6 +10,7 @@ use crate::codec::images::is_picture;
 use crate::codec::meshes::is_named;
 use crate::codec::poses::{self, FORMATS, PhotographFolder, PoseFormat, Posed, Target};
 use crate::scene::frame::Frame;
+use crate::scene::georeference::Georeference;
 
 /// The most poses that are read.
 const MOST: usize = 16;
@@ -29,6 +30,8 @@ pub(super) struct Cameras {
     pub path: String,
     /// The frames, sorted by name.
     pub frames: Vec<Frame>,
+    /// Where on the earth they stand, if the files say it.
+    pub place: Option<Georeference>,
     /// What else the format says, as of its coordinates.
     pub notes: Vec<String>,
 }
@@ -41,8 +44,8 @@ pub(super) fn find(root: &Path, listing: &Listing) -> (Vec<Taken>, Vec<String>) 
     let (mut found, mut broken) = (Vec::new(), Vec::new());
     for (format, path) in places(root, listing) {
         match (Reading { root, listing, format, path: &path }).posed() {
-            Ok((Posed { frames, notes, .. }, photographs)) => {
-                found.push((Cameras { format, path, frames, notes }, photographs))
+            Ok((Posed { frames, georeference: place, notes, .. }, photographs)) => {
+                found.push((Cameras { format, path, frames, place, notes }, photographs))
             }
             Err(why) => broken.push(format!("poses {} cannot be read: {why}", named(&path))),
         }

@@ -13,7 +13,7 @@ use super::usual::{self, IMAGES, MESH, POSES};
 use crate::base::units::Bytes;
 use crate::base::{Error, Result};
 use crate::codec::images::is_picture;
-use crate::pipeline::Filled;
+use crate::pipeline::{Filled, told};
 use crate::scene::camera::{Camera, Projection};
 use crate::scene::frame::Frame;
 use crate::scene::up::Upright;
@@ -89,7 +89,13 @@ impl Found {
             tell("lens", lensed(&cameras.frames));
             let ground = || self.surfaces.meshes.first().map(|mesh| mesh.points.clone());
             cameras.notes.iter().for_each(|note| tell("", note.clone()));
-            if let Some(up) = Upright::of(&cameras.frames, ground) {
+            let mesh = self.root.join(self.mesh().unwrap_or_default());
+            let place = told(cameras.place, &self.root.join(&cameras.path), &mesh);
+            if let Some(place) = place {
+                tell("coordinates", place.to_string());
+            }
+            let up = Upright::in_system(place, &cameras.frames).or_else(|| Upright::of(&cameras.frames, ground));
+            if let Some(up) = up {
                 tell("axes", up.to_string());
             }
         }

@@ -82,7 +82,7 @@ impl Surfaces {
     fn go_through(&mut self, root: &Path, frames: &[Frame]) {
         let rest = self.meshes.split_off(self.meshes.len().min(TRIED));
         for mut mesh in std::mem::take(&mut self.meshes) {
-            match meshes::sample(&root.join(&mesh.file)) {
+            match meshes::sample(&root.join(&mesh.file).into()) {
                 Ok(points) => {
                     mesh.seen = Some(share_seen(frames, &points));
                     mesh.points = points;

@@ -70,7 +70,7 @@ fn lie_beside(files: &[PathBuf]) -> bool {
 
 /// The box about some vertices of a mesh.
 fn bounds(file: &Path) -> Option<[DVec3; 2]> {
-    let points = meshes::sample(file).ok().filter(|points| !points.is_empty())?;
+    let points = meshes::sample(&file.into()).ok().filter(|points| !points.is_empty())?;
     let within = |by: fn(DVec3, DVec3) -> DVec3| points.iter().copied().reduce(by);
     Some([within(DVec3::min)?, within(DVec3::max)?])
 }

@@ -50,6 +50,7 @@ pub(super) fn poses(args: &Args) -> Answer {
     let missing = posed.frames.iter().map(|frame| frame.name.clone()).filter(|name| !there.contains(name.as_str()));
     add_names(&mut lines, "no photograph", &missing.collect::<Vec<_>>());
     lines.row("photographs", format!("{} in {}", there.len(), images.display()));
+    posed.georeference.iter().for_each(|place| lines.row("coordinates", place.to_string()));
     posed.notes.iter().for_each(|note| lines.row("note", note.clone()));
     if let Some(folder) = &args.colmap {
         let off = write(folder, &posed.frames)?;

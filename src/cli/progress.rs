@@ -239,7 +239,9 @@ fn headline(phase: &PhaseProgress, elapsed: Duration, share: Option<f64>, left: 
     let percent = |share: f64| format!(" {:.0}%", 100.0 * share);
     let whole = share.map_or(String::new(), |share| format!("{} of all,", &percent(share)[1..]));
     let done = phase.done().map_or(String::new(), percent);
-    let left = left.map_or(String::new(), |left| format!(", about {} left", clock(left.as_secs_f64())));
+    // Before the rest is planned, what is left is that of the phase.
+    let of = if share.is_some() { String::new() } else { format!(" of {}", phase.name) };
+    let left = left.map_or(String::new(), |left| format!(", about {} left{of}", clock(left.as_secs_f64())));
     format!("{whole} {}{done}, {} so far{left}", phase.name, clock(elapsed.as_secs_f64())).trim_start().to_owned()
 }
 
@@ -271,7 +273,7 @@ mod tests {
         let (mut show, now) = (Show::new(Style::Plain), Instant::now());
         let meters = ["frames", "cast"].map(|name| std::sync::Arc::new(Meter::new(name, 1, 0, Some(9)))).to_vec();
         let state = State::Running(now - Duration::from_secs(3));
-        let phase = PhaseProgress { name: PhaseName::Cast, expected: Duration::ZERO, state, meters };
+        let phase = PhaseProgress { name: PhaseName::Cast, expected: Duration::ZERO, state, meters, counted: None };
         (0..6).for_each(|_| phase.meters[0].passed());
         let rows = show.rows(&phase, now);
         assert_eq!(rows[0].per_second, 2.0);
@@ -281,9 +283,9 @@ mod tests {
     #[test]
     fn the_headline_says_how_long() {
         let (name, state) = (PhaseName::Cast, State::Waiting);
-        let phase = PhaseProgress { name, expected: Duration::ZERO, state, meters: Vec::new() };
+        let phase = PhaseProgress { name, expected: Duration::ZERO, state, meters: Vec::new(), counted: None };
         let line = |share| headline(&phase, Duration::from_secs(187), share, Some(Duration::from_secs(18_187)));
-        insta::assert_snapshot!(line(None), @"cast, 3:07 so far, about 5:03:07 left");
+        insta::assert_snapshot!(line(None), @"cast, 3:07 so far, about 5:03:07 left of cast");
         insta::assert_snapshot!(line(Some(0.0123)), @"1% of all, cast, 3:07 so far, about 5:03:07 left");
     }
 }

@@ -1,17 +1,19 @@
 //! The table at the end of a run.
 
 use std::fmt::Write;
+use std::path::{Path, PathBuf};
 
 use super::found;
 use super::print::{Lines, clock, short};
 use crate::base::units::Bytes;
-use crate::phases::{Report, StageReport};
+use crate::phases::{REPORT, Report, StageReport};
+use crate::stages::merge::{EVIDENCE, MATERIALS};
 
 /// Skipped items that are listed; `report.json` has all.
 const LISTED: usize = 20;
 
-/// The report as lines of text.
-pub(super) fn table(report: &Report) -> String {
+/// The report as lines of text; the last says where to look, in a run's folder.
+pub(super) fn table(report: &Report, work: &Path) -> String {
     let mut lines = Lines::default();
     let (f, t) = (&report.frames, &report.triangles);
     for item in report.skipped.iter().take(LISTED) {
@@ -36,6 +38,7 @@ pub(super) fn table(report: &Report) -> String {
     }
     lines.row("triangles", format!("{} ({triangles})", t.total));
     report.up.iter().for_each(|up| lines.row("axes", up.clone()));
+    report.georeference.iter().for_each(|place| lines.row("coordinates", place.to_string()));
     found::rows(&mut lines, report);
     lines.row("estimator", report.backend.clone());
     lines.row("memory", format!("{} lent at most", Bytes(report.memory_peak)));
@@ -48,10 +51,20 @@ pub(super) fn table(report: &Report) -> String {
         let busy = 100.0 * stage.busy_share();
         lines.row("bottleneck", format!("{}, busy {busy:.0}% of its time", stage.name));
     }
-    for path in &report.outputs {
-        lines.row("written", path.display().to_string());
-    }
+    lines.row("results", format!("{}: {}", work.display(), results(report, work)));
     lines.finish()
+}
+
+/// The files of a run's folder that people look at, what is seen first.
+fn results(report: &Report, work: &Path) -> String {
+    let shown = |path: &PathBuf| path.strip_prefix(work).unwrap_or(path).display().to_string();
+    let mut exports: Vec<String> = report.outputs.iter().map(shown).collect();
+    exports.sort_by_key(|name| !name.ends_with(".glb"));
+    if let Some(first) = exports.first_mut().filter(|name| name.ends_with(".glb")) {
+        first.push_str(" (Blender and any glTF viewer open it)");
+    }
+    let tables = [MATERIALS, EVIDENCE, REPORT].map(str::to_owned);
+    exports.into_iter().chain(tables).collect::<Vec<_>>().join(", ")
 }
 
 fn line(stage: &StageReport) -> String {
@@ -75,6 +88,7 @@ mod tests {
     use crate::base::PhaseName;
     use crate::flow::{Meter, Skipped};
     use crate::phases::{FrameCounts, LightReport, PhaseReport, ShardCounts, TriangleCounts};
+    use crate::scene::georeference::Georeference;
 
     #[test]
     fn the_table_says_it_all() {
@@ -100,6 +114,7 @@ mod tests {
             triangles: TriangleCounts { total: 50_123, degenerate: 3, seen: 45_000, filled: 5_000, empty: 123 },
             segment_bytes: 12_345_678,
             up: Some("up is [0.000, 0.000, 1.000], by the plane of the ground".into()),
+            georeference: Some(Georeference { crs: "UTM 33N".parse().ok(), offset: [412_000.0, 5_812_000.5, 0.0] }),
             light: Some(LightReport {
                 sun: Some([0.6, 0.0, 0.8]),
                 sun_degrees: 0.75,
@@ -122,9 +137,9 @@ mod tests {
             stages: vec![stage("decode", 2, 30.0, 1.0, 100.0), stage("cast", 2, 140.0, 5.0, 1.0)],
             skipped: (0..22).map(item).collect(),
             units: vec![],
-            outputs: vec!["work/export/scene.glb".into()],
+            outputs: vec!["work/export/scene.ply".into(), "work/export/scene.glb".into()],
         };
-        let text = table(&report);
+        let text = table(&report, Path::new("work"));
         let end = text.find("and 2 more").unwrap();
         assert_eq!(text[..end].lines().count(), 2 * LISTED);
         insta::assert_snapshot!(&text[end..], @r#"
@@ -135,6 +150,7 @@ mod tests {
     shards         13 (4 inferred, 9 from before)
     triangles      50123 (45000 seen, 5000 filled, 123 without a material, 3 without area)
     axes           up is [0.000, 0.000, 1.000], by the plane of the ground
+    coordinates    EPSG:32633 minus the offset 412000 5812000.5 0
     sun            [0.6000, 0.0000, 0.8000] within 0.8 degrees, turned 1.50
     light          sun 0.900 0.850 0.800, sky 0.100 0.125 0.250; white 1.00
                    shadows say so
@@ -147,8 +163,8 @@ mod tests {
         decode       30.0 s busy on 2 threads: 23%, waiting 1% in 76% out
         cast           2:20 busy on 2 threads: 96%, waiting 3% in 1% out
     bottleneck     cast, busy 96% of its time
-    written        work/export/scene.glb
+    results        work: export/scene.glb (Blender and any glTF viewer open it), export/scene.ply, materials.npy, evidence.npy, report.json
     "#);
-        assert!(table(&Report::default()).lines().count() > 5);
+        assert!(table(&Report::default(), Path::new("")).lines().count() > 5);
     }
 }

@@ -32,7 +32,8 @@ pub(super) struct Args {
 
 /// Runs a pipeline and shows how far it is, then what came of it.
 pub(super) fn run(args: &Args) -> Answer {
-    shown(&args.pipeline.load()?, args.json, &run_pipeline, &report::table)
+    let pipeline = args.pipeline.load()?;
+    shown(&pipeline, args.json, &run_pipeline, &|report| report::table(report, &pipeline.run.work))
 }
 
 /// Does work on a pipeline and shows how far it is, then what came of it.

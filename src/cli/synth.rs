@@ -155,7 +155,7 @@ fn made(what: Synth, stop: &StopSignal) -> Result<()> {
                 sun_azimuth_deg: c.sun_azimuth_deg,
                 ..CityConfig::default()
             };
-            let made = city::generate_if_needed(&c.out, &config, &stopped)?;
+            let made = city::generate_if_needed(&c.out, &config, &stopped, &|_| {})?;
             let was = if made.reused { "there already" } else { "made" };
             out(&format!("{}: {} triangles, {} frames; {was}", c.out.display(), made.triangles, made.frames))?;
         }

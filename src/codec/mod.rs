@@ -2,6 +2,7 @@
 //! allocates on the word of a file.
 
 pub(crate) mod buffers;
+pub(crate) mod georeference;
 pub(crate) mod images;
 pub(crate) mod maps;
 pub(crate) mod meshes;

@@ -1,6 +1,7 @@
 //! One file being read: its tree, its folder, and the problems found so far.
 
 use std::cell::RefCell;
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 use super::faults::Faults;
@@ -15,15 +16,25 @@ pub struct Document<'a> {
     pub root: &'a Table,
     /// The file's folder, to which its paths are relative.
     pub folder: &'a Path,
+    /// The file's name without its ending.
+    pub stem: &'a OsStr,
     faults: RefCell<Faults>,
     made: RefCell<Vec<(&'static str, PathBuf)>>,
     work: RefCell<Option<PathBuf>>,
 }
 
 impl<'a> Document<'a> {
-    /// A document in which these problems were found already.
-    pub fn new(root: &'a Table, folder: &'a Path, faults: Faults) -> Self {
-        Document { root, folder, faults: RefCell::new(faults), made: RefCell::default(), work: RefCell::default() }
+    /// The document of a file, in which these problems were found already.
+    pub fn new(root: &'a Table, file: &'a Path, faults: Faults) -> Self {
+        let (folder, stem) = (file.parent().unwrap_or(Path::new("")), file.file_stem().unwrap_or_default());
+        Document {
+            root,
+            folder,
+            stem,
+            faults: RefCell::new(faults),
+            made: RefCell::default(),
+            work: RefCell::default(),
+        }
     }
 
     /// Adds a problem.

@@ -2,10 +2,11 @@
 //! reading goes on and finds the next one.
 
 use std::cell::RefCell;
-use std::ffi::OsString;
+use std::ffi::{OsStr, OsString};
 use std::fmt::Display;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
+use std::slice;
 
 use super::choice::{Choice, choose, names};
 use super::document::Document;
@@ -14,6 +15,7 @@ use super::path::Leads;
 use super::problem::{Position, Problem, unknown};
 use super::raw::{self, Node, Table, Toml};
 use super::value::{FromToml, outside};
+use crate::base::paths::Paths;
 
 /// One section being read.
 #[derive(Debug)]
@@ -22,6 +24,8 @@ pub struct Keys<'a> {
     outline: Outline,
     position: Position,
     entries: Option<&'a Table>,
+    /// The key whose value stands in the section's place, and that value.
+    short: Option<(&'static str, &'a (Position, Node))>,
     /// Whether something stands in the section's place that is no table, which is told.
     is_no_table: bool,
     /// The keys that have a problem.
@@ -40,11 +44,29 @@ impl<'a> Keys<'a> {
         Keys::open(self.document, outline, self.found(key))
     }
 
+    /// Opens the section that a key of this one is, or whose key `short` it holds in its place: `poses = "PATH"`.
+    #[must_use]
+    pub fn section_or(&self, key: &'static str, outline: Outline, short: &'static str) -> Keys<'a> {
+        let found = self.found(key);
+        match found.filter(|(_, node)| node.text().is_some() || matches!(node.value, Toml::Path(_))) {
+            Some(path) => {
+                let position = path.0.clone();
+                Keys { position, short: Some((short, path)), ..Keys::open(self.document, outline, None) }
+            }
+            None => Keys::open(self.document, outline, found),
+        }
+    }
+
+    /// Whether one value stands in the section's place.
+    pub fn is_short(&self) -> bool {
+        self.short.is_some()
+    }
+
     /// Opens a section. Without `found`, all its keys have their defaults. Keys that it does not have are problems.
     pub fn open(document: &'a Document<'a>, outline: Outline, found: Option<&'a (Position, Node)>) -> Self {
         let position = found.map_or(Position::Whole, |(position, _)| position.clone());
         let bad = RefCell::default();
-        let mut keys = Keys { document, outline, position, entries: None, is_no_table: false, bad };
+        let mut keys = Keys { document, outline, position, entries: None, short: None, is_no_table: false, bad };
         match found.map(|(_, node)| node) {
             None => {}
             Some(Node { value: Toml::Table(entries), .. }) => keys.entries = Some(entries),
@@ -119,27 +141,56 @@ impl<'a> Keys<'a> {
         self.read(key, |node| Ok(parse(&String::from_toml(node)?)?))
     }
 
+    /// A path or a list of paths that must be given; an empty path where they are not.
+    pub fn paths(&self, key: &'static str, leads: &Leads) -> Paths {
+        self.need(key);
+        let paths = self.read(key, |node| {
+            let each = if let Toml::List(list) = &node.value { list.as_slice() } else { slice::from_ref(node) };
+            let each = each.iter().map(|node| self.checked(key, node, leads)).collect::<Result<_, _>>()?;
+            Paths::new(each).ok_or_else(|| "must be a path, or a list of paths".into())
+        });
+        paths.unwrap_or_else(|| Path::new("").into())
+    }
+
     /// A path that must be given; empty where it is not.
     pub fn path(&self, key: &'static str, leads: Leads) -> PathBuf {
+        self.need(key);
+        self.optional_path(key, leads).unwrap_or_default()
+    }
+
+    /// Adds a problem to a key that must be given and is not.
+    fn need(&self, key: &'static str) {
         if self.found(key).is_none() && !self.is_no_table {
             let problem = Problem::new("is needed").hint(format!("add `{key} = \"PATH\"`"));
             self.document.add(problem.at(self.position.clone(), self.field(key)));
             self.bad.borrow_mut().push(key);
         }
-        self.optional_path(key, leads).unwrap_or_default()
     }
 
     /// A path that may be missing.
     pub fn optional_path(&self, key: &'static str, leads: Leads) -> Option<PathBuf> {
-        self.read(key, |node| {
-            let path = self.resolve(node)?;
-            let made = self.is_made(key, &path);
-            if self.document.is_in_work(&path) {
-                let rule = "must not lie in the folder of [run] work, where a run removes what it needs no more";
-                return Err(Problem::new(rule).got(path.display().to_string().escape_debug().to_string()));
-            }
-            leads.check(path, made)
-        })
+        self.read(key, |node| self.checked(key, node, &leads))
+    }
+
+    /// The path of a name beside the file.
+    pub fn beside(&self, name: impl AsRef<Path>) -> PathBuf {
+        self.document.folder.join(name)
+    }
+
+    /// The file's name without its ending.
+    pub fn stem(&self) -> &'a OsStr {
+        self.document.stem
+    }
+
+    /// The path that a value is, if it leads where it must.
+    fn checked(&self, key: &'static str, node: &Node, leads: &Leads) -> Result<PathBuf, Problem> {
+        let path = self.resolve(node)?;
+        let made = self.is_made(key, &path);
+        if self.document.is_in_work(&path) {
+            let rule = "must not lie in the folder of [run] work, where a run removes what it needs no more";
+            return Err(Problem::new(rule).got(path.display().to_string().escape_debug().to_string()));
+        }
+        leads.check(path, made)
     }
 
     /// Whether the run itself makes the path that a key leads to.
@@ -178,6 +229,9 @@ impl<'a> Keys<'a> {
 
     fn found(&self, key: &'static str) -> Option<&'a (Position, Node)> {
         debug_assert!(self.outline.key(key).is_some(), "{} is not listed", self.field(key));
+        if let Some((_, found)) = self.short.filter(|(short, _)| *short == key) {
+            return Some(found);
+        }
         self.entries?.get(key)
     }
 

@@ -19,6 +19,8 @@ pub enum Effect {
     Light,
     /// The tables, and all that follows.
     Merge,
+    /// The exports, which say where on the earth the mesh lies.
+    Place,
     /// The exports that turn the mesh to axes of their own.
     Axes,
     /// The exports that were not there.

@@ -31,7 +31,8 @@ const HELD: u64 = 2 << 20;
 fn recipe(pipeline: &Pipeline, exporter: &Exporter, tables: &Recipe) -> Recipe {
     let recipe = Recipe::new(PhaseName::Export, exporter.name)
         .with(PhaseName::Merge.as_str(), tables.unit())
-        .with(FORMAT, exporter.version);
+        .with(FORMAT, exporter.version)
+        .with_all(pipeline.ingredients(Effect::Place));
     // Only what turns its axes depends on which way is up.
     if exporter.turns_axes { recipe.with_all(pipeline.ingredients(Effect::Axes)) } else { recipe }
 }
@@ -87,7 +88,8 @@ fn write<'a>(
     recipes: impl Iterator<Item = &'a Recipe>,
 ) -> Result<()> {
     let materials = Materials::open(store)?;
-    let surface = Surface { mesh, materials: &materials, up: DVec3::from(pipeline.scene.up) };
+    let scene = &pipeline.scene;
+    let surface = Surface { mesh, materials: &materials, up: DVec3::from(scene.up), place: scene.georeference() };
     for recipe in recipes {
         for exporter in pipeline.export.formats.iter().filter(|exporter| exporter.name == recipe.what()) {
             ledger.commit(recipe, (exporter.write)(&surface, store)?)?;

@@ -12,12 +12,16 @@ use crate::codec::poses::{PhotographFolder, Photographs};
 use crate::config::Choice;
 use crate::pipeline::{Pipeline, UpFrom};
 use crate::scene::frame::Frame;
+use crate::scene::georeference::Georeference;
 use crate::scene::seen::{middle, share_seen};
-use crate::scene::up::{By, Upright};
+use crate::scene::up::{By, Upright, middle as cameras};
 use crate::stages::light::Mode;
 
 /// How many names are told of many.
 const TOLD: usize = 3;
+
+/// How far level cameras may be from the way up of a coordinate reference system, degrees.
+const LEANS: f64 = 15.0;
 
 /// How many vertices of the mesh are tried.
 const TRIED: usize = 512;
@@ -29,6 +33,8 @@ pub(crate) struct Inputs {
     pub frames: usize,
     /// The way up, if the scene tells it.
     pub up: Option<Upright>,
+    /// Where on the earth the scene lies, if it is known.
+    pub place: Option<Georeference>,
     /// The photographs, or their masks, whose headers cannot be read, each with the reason.
     pub unread: Vec<(String, String)>,
     /// What is doubtful, a line each.
@@ -44,12 +50,18 @@ impl Inputs {
             .par_iter()
             .filter_map(|frame| decode.need(frame).err().map(|why| (frame.name.clone(), why.to_string())))
             .collect();
-        Inputs { frames: scene.frames.len(), up: up(pipeline), unread, doubts: doubts(pipeline, scene) }
+        Inputs {
+            frames: scene.frames.len(),
+            up: up(pipeline),
+            place: pipeline.scene.georeference(),
+            unread,
+            doubts: doubts(pipeline, scene),
+        }
     }
 
     /// All that is to be told, a line each.
     pub(crate) fn lines(&self) -> Vec<String> {
-        let Inputs { frames, up, unread, doubts } = self;
+        let Inputs { frames, up, place, unread, doubts } = self;
         let told = unread.iter().take(TOLD).map(|(name, why)| format!("  {name}: {why}"));
         let more = unread.len().saturating_sub(TOLD);
         let head = match unread.len() {
@@ -59,7 +71,8 @@ impl Inputs {
         };
         let rest = (more > 0).then(|| format!("  and {more} more"));
         let up = up.filter(|up| !matches!(up.by, By::Unsure(_))).map(|up| up.to_string());
-        up.into_iter().chain(head).chain(told).chain(rest).chain(doubts.iter().cloned()).collect()
+        let place = place.map(|place| format!("coordinates are {place}"));
+        up.into_iter().chain(place).chain(head).chain(told).chain(rest).chain(doubts.iter().cloned()).collect()
     }
 }
 
@@ -67,7 +80,7 @@ impl Inputs {
 pub(super) fn doubts(pipeline: &Pipeline, scene: &LoadedScene) -> Vec<String> {
     let leaning = up(pipeline).filter(|up| matches!(up.by, By::Unsure(_))).map(|up| up.to_string());
     let (unposed, masks, coarse) = (unposed(pipeline, scene), masks(pipeline, scene), scene.mesh.coarse());
-    [apart(scene), leaning, scene.assumed.clone(), unposed, masks, coarse, sun(pipeline)]
+    [apart(scene), leaning, elsewhere(pipeline, scene), scene.assumed.clone(), unposed, masks, coarse, sun(pipeline)]
         .into_iter()
         .flatten()
         .collect()
@@ -86,6 +99,25 @@ fn apart(scene: &LoadedScene) -> Option<String> {
     Some(format!(
         "no camera has the mesh before it: it lies about {lies}, and they stand about {stand}; both must be in the same coordinates"
     ))
+}
+
+/// Tells of cameras that cannot stand where the coordinate reference system would have them, or that contradict its way up.
+fn elsewhere(pipeline: &Pipeline, scene: &LoadedScene) -> Option<String> {
+    let (place, frames) = (pipeline.scene.georeference()?, &scene.frames);
+    let at = cameras(frames);
+    if let Some(doubt) = place.doubt(at) {
+        return Some(format!("by [scene] crs and offset the cameras stand about {doubt}: one of the two is another"));
+    }
+    let (up, level) = (place.up(at)?, Upright::of(frames, || None).filter(|up| matches!(up.by, By::Rows(_)))?);
+    let degrees = up.angle_between(level.up.into()).to_degrees();
+    (up_from_system(pipeline) && degrees > LEANS).then(|| {
+        format!("{level}: {degrees:.0} degrees from that of {place}; if the mesh lies in other coordinates, take [scene] crs out")
+    })
+}
+
+/// Whether the way up is that of the coordinate reference system.
+fn up_from_system(pipeline: &Pipeline) -> bool {
+    up(pipeline).is_some_and(|up| up.by == By::System)
 }
 
 /// Tells of photographs without a pose.

@@ -42,6 +42,7 @@ impl Phase for Load {
             run.progress.note(format!("the list of frame groups is made over from {page} on{kept}: {why}"));
         }
         run.report.up = inputs::up(run.pipeline).map(|up| up.to_string());
+        run.report.georeference = run.pipeline.scene.georeference();
         let casts = surveyed.groups.all().iter().any(|group| !ledger.is_done(&group.recipe.unit()));
         if casts {
             // Photographs that cannot be read are told of when they are skipped.

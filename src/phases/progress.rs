@@ -31,6 +31,8 @@ pub struct PhaseProgress {
     pub state: State,
     /// The meters of the phase's stages, in order; none if the phase is no flow.
     pub meters: Vec<Arc<Meter>>,
+    /// How many items are done, and of how many, where a phase is no flow and says so.
+    pub counted: Option<[u64; 2]>,
 }
 
 /// Where a phase stands.
@@ -57,6 +59,7 @@ impl Progress {
             expected,
             state: State::Waiting,
             meters: Vec::new(),
+            counted: None,
         };
         let mut told = self.told();
         told.phases.retain(|p| p.state != State::Waiting);
@@ -72,7 +75,7 @@ impl Progress {
             Some(phase) => phase.state = state,
             None => {
                 let next = told.phases.iter().position(|p| p.state == State::Waiting).unwrap_or(told.phases.len());
-                let begun = PhaseProgress { name, expected: Duration::ZERO, state, meters: Vec::new() };
+                let begun = PhaseProgress { name, expected: Duration::ZERO, state, meters: Vec::new(), counted: None };
                 told.phases.insert(next, begun);
             }
         }
@@ -83,6 +86,14 @@ impl Progress {
         let mut told = self.told();
         if let Some(running) = told.phases.iter_mut().find(|p| matches!(p.state, State::Running(_))) {
             running.meters = meters;
+        }
+    }
+
+    /// Says how many items of the phase that runs are done, and of how many.
+    pub fn count(&self, done: u64, total: u64) {
+        let mut told = self.told();
+        if let Some(running) = told.phases.iter_mut().find(|p| matches!(p.state, State::Running(_))) {
+            running.counted = Some([done, total]);
         }
     }
 
@@ -118,10 +129,13 @@ impl Progress {
 
 impl PhaseProgress {
     /// The share that is done, in [0, 1], where it is known: items that reached the last stage or were skipped on the
-    /// way, of those that the first said it would produce.
+    /// way, of those that the first said it would produce; or what was counted.
     pub fn done(&self) -> Option<f64> {
         if let State::Done(_) = self.state {
             return Some(1.0);
+        }
+        if let Some([done, total]) = self.counted.filter(|[_, total]| *total > 0) {
+            return Some((done as f64 / total as f64).min(1.0));
         }
         let (first, last) = (self.meters.first()?, self.meters.last()?);
         let skipped: u64 = self.meters.iter().map(|m| m.read().skipped).sum();
@@ -145,13 +159,14 @@ pub fn time_left(phases: &[PhaseProgress], now: Instant) -> Option<Duration> {
     seconds_left(&timings).and_then(|s| Duration::try_from_secs_f64(s).ok())
 }
 
-/// The share of all phases together that is done, by time, in [0, 1], where anything can be said.
+/// The share of all phases together that is done, by time, in [0, 1]; `None` before it is planned how long they take.
 pub fn share_done(phases: &[PhaseProgress], now: Instant) -> Option<f64> {
     let timings: Vec<Timing> = phases.iter().map(|p| p.timing(now)).collect();
     share(&timings)
 }
 
 fn share(phases: &[Timing]) -> Option<f64> {
+    phases.iter().any(|p| p.expected > 0.0).then_some(())?;
     let (left, elapsed) = (seconds_left(phases)?, phases.iter().map(|p| p.elapsed).sum::<f64>());
     let all = left + elapsed;
     // A phase may take longer than it was expected to, and is not over for that.
@@ -211,6 +226,7 @@ mod tests {
             share(&phases.iter().map(timing).collect::<Vec<_>>())
         };
         assert_eq!(done(&[(0.0, 5.0, 0.0)]), None, "nothing known");
+        assert_eq!(done(&[(0.0, 5.0, 0.5)]), None, "nothing planned: that is half of the phase, not of all");
         assert_eq!(done(&[(10.0, 0.0, 0.0), (20.0, 0.0, 0.0)]), Some(0.0));
         assert_eq!(done(&[(10.0, 10.0, 0.5), (20.0, 0.0, 0.0)]), Some(10.0 / 60.0), "half as fast as planned");
         assert_eq!(done(&[(10.0, 10.0, 1.0), (30.0, 30.0, 1.0)]), Some(1.0));
@@ -221,7 +237,10 @@ mod tests {
     fn phases_follow_each_other() {
         let progress = Progress::new();
         progress.expect(&[(PhaseName::Cast, Duration::from_secs(9)), (PhaseName::Infer, Duration::ZERO)]);
+        progress.count(1, 4);
         progress.begin(PhaseName::Build);
+        progress.count(1, 4);
+        assert_eq!(progress.phases()[0].done(), Some(0.25));
         progress.begin(PhaseName::Cast);
         progress.watch(vec![Arc::new(Meter::new("frames", 1, 0, Some(4)))]);
         let states = |p: &Progress| p.phases().iter().map(|p| (p.name, p.done())).collect::<Vec<_>>();

@@ -9,6 +9,7 @@ use crate::base::PhaseName;
 use crate::base::key::KeyBuilder;
 use crate::disk::Ledger;
 use crate::flow::{Meter, Skipped};
+use crate::scene::georeference::Georeference;
 
 /// What a run did.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -36,6 +37,9 @@ pub struct Report {
     /// The way up, in words, if the scene tells it.
     #[serde(default)]
     pub up: Option<String>,
+    /// Where on the earth the scene lies, if it is known.
+    #[serde(default)]
+    pub georeference: Option<Georeference>,
     /// What was found of exposures and light; none where nothing was to be found.
     #[serde(default)]
     pub light: Option<LightReport>,

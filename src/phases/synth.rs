@@ -31,7 +31,9 @@ impl Phase for Synth {
 
     fn work(&self, run: &mut Context<'_>, _: &[Unit]) -> Result<()> {
         let Some(synth) = &run.pipeline.synth else { return Ok(()) };
-        let (threads, stop) = (run.pipeline.run.threads(), &run.stop);
-        pool::share(threads, || city::generate_if_needed(&synth.into, &synth.city, &|| stop.draining()))?.map(drop)
+        let (threads, stop, progress) = (run.pipeline.run.threads(), &run.stop, run.progress);
+        let taken = |photographs: usize| progress.count(photographs as u64, synth.city.frames.into());
+        let make = || city::generate_if_needed(&synth.into, &synth.city, &|| stop.draining(), &taken);
+        pool::share(threads, make)?.map(drop)
     }
 }

@@ -43,13 +43,17 @@ pub fn load(path: &Path, sets: &[OsString]) -> Result<Pipeline, Problems> {
     let mut root = raw::read(path).map_err(|faults| faults.of_file(path))?;
     let mut refused = Faults::default();
     sets.iter().filter_map(|set| raw::set(&mut root, set).err()).for_each(|problem| refused.add(problem));
-    let document = Document::new(&root, path.parent().unwrap_or(Path::new("")), refused);
+    let document = Document::new(&root, path, refused);
     let mut pipeline = read(&document, path);
     let faults = document.into_faults();
     if !faults.is_empty() {
         return Err(faults.of_file(path));
     }
-    pipeline.scene.find_up(pipeline.synth.is_some());
+    pipeline.scene.find_coordinates(pipeline.synth.is_some());
+    if pipeline.light.mode == Mode::Ephemeris {
+        let north = pipeline.scene.georeference().and_then(|place| place.north());
+        pipeline.light.north = pipeline.light.north.or(north.map(|north| north.to_array()));
+    }
     if pipeline.light.mode == Mode::Ephemeris
         && let Err(problem) = pipeline.light.north(pipeline.scene.up)
     {

@@ -4,6 +4,8 @@
 //! `Pipeline` is checked; from then on nothing asks the file again. [`SECTIONS`] lists the sections, each of which belongs to the
 //! file that acts on it; those that belong to no stage are here: `[scene]`, `[synth]`, `[run]`.
 
+mod coordinates;
+mod crs;
 mod load;
 #[expect(clippy::module_inception, reason = "the file of the type that the folder is named for")]
 mod pipeline;
@@ -15,6 +17,7 @@ mod template;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use coordinates::told;
 pub(crate) use load::FILE;
 pub use load::load;
 pub use pipeline::Pipeline;

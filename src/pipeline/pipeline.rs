@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use super::run::Run;
 use super::scene::Scene;
 use super::synth::{MESH, Synth};
-use crate::base::{Error, Result, pattern};
+use crate::base::{Error, Result};
 use crate::config::{Effect, Section, Setting, real};
 use crate::stages::{cast, decode, export, gather, infer, light, merge};
 use crate::synth::city;
@@ -40,7 +40,7 @@ pub struct Pipeline {
 impl Pipeline {
     /// Whether the scene is there. It is not while `[synth]` has yet to make it, or to finish it.
     pub fn is_made(&self) -> bool {
-        let is_here = |synth: &Synth| self.scene.mesh == synth.into.join(MESH);
+        let is_here = |synth: &Synth| self.scene.mesh == synth.into.join(MESH).into();
         self.synth.as_ref().filter(|synth| is_here(synth)).is_none_or(|s| city::is_finished(&s.into, &s.city))
     }
 
@@ -52,7 +52,7 @@ impl Pipeline {
         let Scene { mesh, images, poses, masks, .. } = &self.scene;
         let model = if let infer::Model::File(model) = &self.infer.model { Some(model) } else { None };
         // A mesh may have several files.
-        let parts = pattern::files(mesh).unwrap_or_default();
+        let parts = mesh.files().unwrap_or_default();
         let inputs = [&self.file, images, &poses.path].into_iter().chain(masks).chain(model).chain(&parts);
         let place = real(out);
         match inputs.into_iter().find(|input| place.starts_with(real(input))) {

@@ -86,8 +86,9 @@ impl Section for Run {
     const KEYS: &'static [Key] = &[
         Key {
             name: "work",
-            doc: "The folder of this run: segments, materials.npy, evidence.npy, report.json, export/. One run at a time uses it.",
-            value: Value::Needed("\"work/scene\""),
+            doc: "The folder of this run: segments, materials.npy, evidence.npy, report.json, export/. One run at a time uses it. \
+                  Without it, work/NAME beside this file, which is named NAME.toml.",
+            value: Value::Optional("\"work/scene\""),
         },
         Key {
             name: "memory",
@@ -123,7 +124,11 @@ impl Section for Run {
 
     fn read(keys: &Keys<'_>) -> Self {
         let size = "must be a number and one of B, KiB, MiB, GiB, TiB, as in \"3GiB\"";
-        let work = keys.path("work", Leads::to_folder_or_nothing("name a folder for this run"));
+        let leads = Leads::to_folder_or_nothing("name a folder for this run");
+        let work = keys.optional_path("work", leads).unwrap_or_else(|| {
+            // What is given and wrong is told, and nothing is said of another folder.
+            if keys.is_good("work") { keys.beside("work").join(keys.stem()) } else { PathBuf::new() }
+        });
         // A folder that cannot be read is told by the run itself.
         if let Ok(Some(why)) = mark::foreign(&work) {
             let hint = "nothing is changed there; name a new or empty folder, as work = \"work/NAME\"";

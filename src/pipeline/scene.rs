@@ -4,18 +4,19 @@ use std::path::PathBuf;
 
 use glam::{DVec3, Vec3};
 
-use crate::base::patience::Patience;
-use crate::codec::meshes;
-use crate::codec::poses::{self, PhotographFolder, PoseFormat, Target};
+use super::crs::Written;
+use crate::base::paths::Paths;
+use crate::codec::poses::{self, PoseFormat, Target};
 use crate::config::raw::Node;
 use crate::config::{Choice, Effect, FromToml, Key, Keys, Leads, Problem, Section, Settings, Value};
+use crate::scene::georeference::{Crs, Georeference};
 use crate::scene::up::Upright;
 
 /// Section `[scene]`: the inputs. All paths are resolved.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scene {
-    /// The triangle mesh.
-    pub mesh: PathBuf,
+    /// The triangle mesh, in one file or several.
+    pub mesh: Paths,
     /// The folder of the images that the poses name.
     pub images: PathBuf,
     /// The folder of masks; 0 where a pixel is to be ignored.
@@ -24,6 +25,10 @@ pub struct Scene {
     pub up: [f64; 3],
     /// Where the way up is known from.
     pub up_from: UpFrom,
+    /// The system of the coordinates, given or told by what lies beside poses and mesh.
+    pub crs: Option<Crs>,
+    /// What is added to the mesh's coordinates to give those of the system, given or told likewise.
+    pub offset: Option<[f64; 3]>,
     /// The cameras.
     pub poses: Poses,
 }
@@ -71,7 +76,7 @@ impl Section for Scene {
         Key {
             name: "mesh",
             doc: "The triangle mesh, PLY, OBJ, glTF, STL or OFF, in the coordinates of the poses. Large coordinates (UTM) are fine. A \
-                  * stands for any part of a name: \"tiles/*.obj\" is all of these files, as one mesh.",
+                  * stands for any part of a name: \"tiles/*.obj\" is all of these files, as one mesh. So is a list, [\"a.obj\", \"b.ply\"].",
             value: Value::Needed("\"mesh.ply\""),
         },
         Key {
@@ -89,9 +94,21 @@ impl Section for Scene {
         },
         Key {
             name: "up",
-            doc: "The way up in the mesh's coordinates. \"auto\": cameras that are held level tell it, or else the ground; or a \
-                  vector, as [0.0, 0.0, 1.0].",
+            doc: "The way up in the mesh's coordinates. \"auto\": crs tells it, or cameras that are held level, or else the \
+                  ground; or a vector, as [0.0, 0.0, 1.0].",
             value: Value::Default("\"auto\""),
+        },
+        Key {
+            name: "crs",
+            doc: "The coordinate reference system that the mesh lies in, by its EPSG number or UTM zone. Without it, what \
+                  OpenDroneMap, Metashape, or a metadata.xml or .prj beside the mesh says. Exports and report.json name it.",
+            value: Value::Optional("\"EPSG:32633\""),
+        },
+        Key {
+            name: "offset",
+            doc: "What is added to the mesh's coordinates to give coordinates of crs. Without it, what OpenDroneMap, or a \
+                  metadata.xml or offset.xyz beside the mesh says, or nothing.",
+            value: Value::Optional("[412000.0, 5812000.0, 0.0]"),
         },
         Key { name: "poses", doc: "The poses of the cameras.", value: Value::Section },
     ];
@@ -105,18 +122,24 @@ impl Section for Scene {
         let length = DVec3::from(up).length_squared();
         let rule = "must be a finite vector that is not zero, as [0, 0, 1]";
         keys.check("up", length.is_finite() && length > 0.0, rule);
+        let crs = keys.optional::<Written>("crs").map(|Written(crs)| crs);
+        let offset: Option<[f64; 3]> = keys.optional("offset");
+        let is_finite = offset.is_none_or(|offset| DVec3::from(offset).is_finite());
+        keys.check("offset", is_finite, "must be three finite numbers");
         Scene {
-            mesh: keys.path("mesh", mesh),
+            mesh: keys.paths("mesh", &mesh),
             images: keys.path("images", images),
             masks: keys.optional_path("masks", masks),
             up,
             up_from: if given.is_some() { UpFrom::Given } else { UpFrom::Scene(None) },
-            poses: Poses::read(&keys.section("poses", Poses::OUTLINE)),
+            crs,
+            offset,
+            poses: Poses::read(&keys.section_or("poses", Poses::OUTLINE, "path")),
         }
     }
 
     fn settings(&self) -> Settings {
-        let Scene { mesh, images, masks, up, up_from: _, poses } = self;
+        let Scene { mesh, images, masks, up, up_from: _, crs, offset, poses } = self;
         Settings::of(Self::NAME)
             .with("mesh", mesh, Effect::Input)
             .with("images", images, Effect::Input)
@@ -125,12 +148,14 @@ impl Section for Scene {
             .with("up", up, Effect::Light)
             .with("up", up, Effect::Look)
             .with("up", up, Effect::Axes)
+            .optional("crs", crs.map(|crs| crs.to_string()), Effect::Place)
+            .optional("offset", *offset, Effect::Place)
             .and(poses.settings())
     }
 }
 
 /// The way up where nothing tells it.
-const USUAL: [f64; 3] = [0.0, 0.0, 1.0];
+pub(super) const USUAL: [f64; 3] = [0.0, 0.0, 1.0];
 
 impl Scene {
     /// The unit vector up.
@@ -138,27 +163,16 @@ impl Scene {
         DVec3::from(self.up).as_vec3().normalize_or_zero()
     }
 
-    /// Finds the way up, unless it is given. A city that the pipeline makes has its own.
-    pub(super) fn find_up(&mut self, makes_city: bool) {
-        if self.up_from == UpFrom::Given {
-            return;
-        }
-        if makes_city {
-            self.up_from = UpFrom::Given;
-            return;
-        }
-        let (patience, photographs) = (Patience::default(), PhotographFolder::new(&self.images));
-        let frames = patience.with(|| poses::read(self.poses.format, &self.poses.path, &photographs)).ok();
-        let ground = || patience.with(|| meshes::sample(&self.mesh)).ok();
-        let found = frames.and_then(|frames| Upright::of(&frames, ground));
-        self.up = found.map_or(USUAL, |found| found.up);
-        self.up_from = UpFrom::Scene(found);
+    /// Where on the earth the scene lies, if anything tells it.
+    pub(crate) fn georeference(&self) -> Option<Georeference> {
+        let Scene { crs, offset, .. } = *self;
+        (crs.is_some() || offset.is_some()).then(|| Georeference { crs, offset: offset.unwrap_or_default() })
     }
 }
 
 impl Section for Poses {
     const NAME: &'static str = "scene.poses";
-    const ABOUT: &'static str = "Where the cameras stood.";
+    const ABOUT: &'static str = "Where the cameras stood. poses = \"PATH\" in [scene] stands for this section, where the files tell their format.";
     const KEYS: &'static [Key] = &[
         Key {
             name: "format",
@@ -174,6 +188,9 @@ impl Section for Poses {
     ];
 
     fn read(keys: &Keys<'_>) -> Self {
+        if keys.is_short() {
+            return Poses::found(keys);
+        }
         let format: &'static PoseFormat = keys.choice("format");
         let missing = format!("{}: --set scene.poses.path=PATH", format.advice);
         let leads = match format.target {
@@ -196,5 +213,29 @@ impl Section for Poses {
     fn settings(&self) -> Settings {
         let Poses { format, path } = self;
         Settings::of(Self::NAME).with("format", format.name, Effect::Input).with("path", path, Effect::Input)
+    }
+}
+
+impl Poses {
+    /// Poses of which only the path is given: their format is the one whose files are there.
+    fn found(keys: &Keys<'_>) -> Self {
+        let path =
+            keys.path("path", Leads::to_file_or_folder("name the folder or file of the poses: --set scene.poses=PATH"));
+        // What a run makes is a city's.
+        if keys.is_made("path", &path) || !keys.is_good("path") {
+            return Poses { format: &poses::COLMAP, path };
+        }
+        let formats = poses::formats_at(&path);
+        let names: Vec<&str> = formats.iter().map(|format| format.name).collect();
+        let (rule, hint) = match names[..] {
+            [] => {
+                let all: Vec<&str> = poses::FORMATS.iter().map(|format| format.name).collect();
+                ("holds no poses that are known by their files".to_owned(), format!("one of {}", all.join(", ")))
+            }
+            [first, ..] => (format!("may be {}", names.join(" or ")), format!("\"{first}\"")),
+        };
+        let hint = format!("say which: poses = {{ format = {hint}, path = .. }}");
+        keys.check("path", names.len() == 1, Problem::new(rule).got(path.display().to_string()).hint(hint));
+        Poses { format: formats.first().copied().unwrap_or(&poses::COLMAP), path }
     }
 }

@@ -194,7 +194,7 @@ fn place(cause: &Cause, pipeline: &Pipeline) -> PathBuf {
                 .unwrap_or_else(|| masks.join(frame).with_extension("png"))
         }
         Cause::Frame { .. } | Cause::FrameGone { .. } => scene.poses.path.clone(),
-        Cause::Input { key } if key == "scene.mesh" => scene.mesh.clone(),
+        Cause::Input { key } if key == "scene.mesh" => scene.mesh.first().to_owned(),
         Cause::Input { key } => PathBuf::from(key),
         _ => PathBuf::new(),
     }

@@ -7,6 +7,7 @@ pub(crate) mod camera;
 pub(crate) mod cells;
 pub(crate) mod evidence;
 pub(crate) mod frame;
+pub(crate) mod georeference;
 pub(crate) mod light;
 pub(crate) mod material;
 pub(crate) mod mesh;

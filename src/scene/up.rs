@@ -5,12 +5,13 @@ use std::fmt;
 use glam::{DMat3, DVec3};
 
 use super::frame::Frame;
+use super::georeference::Georeference;
 
 /// The way up that a scene tells.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Upright {
-    /// The way up in the coordinates of the poses, of a length of about 1: each component is a multiple of 1/128, so that a frame
-    /// more seldom moves it.
+    /// The way up in the coordinates of the poses, of a length of about 1: each component is rounded, to a multiple of 1/128 where
+    /// cameras or ground tell it, so that a frame more seldom moves it.
     pub up: [f64; 3],
     /// What tells it.
     pub by: By,
@@ -19,6 +20,8 @@ pub struct Upright {
 /// What tells the way up.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum By {
+    /// The coordinate reference system.
+    System,
     /// The cameras' rows of pixels, which are horizontal but for so many degrees, root mean square.
     Rows(f64),
     /// The ground under cameras that look down.
@@ -32,6 +35,7 @@ impl fmt::Display for Upright {
         let [x, y, z] = self.up;
         write!(f, "up is [{x:.3}, {y:.3}, {z:.3}]")?;
         match self.by {
+            By::System => f.write_str(", by the coordinate reference system"),
             By::Rows(lean) => write!(f, ", by cameras that are level but for {lean:.1} degrees"),
             By::Ground => f.write_str(", by the plane of the ground"),
             By::Unsure(lean) => {
@@ -54,6 +58,12 @@ const FLAT: f64 = 0.1;
 const STEPS: f64 = 128.0;
 
 impl Upright {
+    /// The way up that the system of the coordinates tells where these cameras stand. `None` where it tells none.
+    pub fn in_system(place: Option<Georeference>, frames: &[Frame]) -> Option<Upright> {
+        let up = place?.up(middle(frames)).filter(|up| up.is_finite())?;
+        Some(Upright { up: up.to_array(), by: By::System })
+    }
+
     /// The way up that cameras tell if they are level, or else the ground, of which `ground` gives some points, if it is flat and
     /// they look down on it. `None` without cameras.
     pub fn of(frames: &[Frame], ground: impl FnOnce() -> Option<Vec<DVec3>>) -> Option<Upright> {
@@ -80,7 +90,7 @@ fn sum(all: DMat3, one: DMat3) -> DMat3 {
 }
 
 /// The centre of the cameras.
-fn middle(frames: &[Frame]) -> DVec3 {
+pub(crate) fn middle(frames: &[Frame]) -> DVec3 {
     frames.iter().map(|frame| frame.pose.centre()).sum::<DVec3>() / frames.len() as f64
 }
 
@@ -226,6 +236,8 @@ mod tests {
     #[test]
     fn one_camera_is_not_sure_and_none_tells_nothing() {
         assert_eq!(Upright::of(&[], || None), None);
+        let earth = Georeference { crs: "EPSG:4978".parse().ok(), offset: [0.0; 3] };
+        assert_eq!(Upright::in_system(Some(earth), &[]), None);
         let one = Upright::of(&frames(DVec3::Z, &[(DVec3::ZERO, DVec3::new(1.0, 0.0, -1.0), 0.0)]), || None).unwrap();
         assert!(matches!(one.by, By::Unsure(_)));
     }

@@ -100,8 +100,8 @@ impl Section for Config {
         },
         Key {
             name: "north",
-            doc: "The direction of north in the mesh's coordinates, with mode = \"ephemeris\" only. Without it, y, as maps have \
-                  it (UTM, ENU), where up is z.",
+            doc: "The direction of north in the mesh's coordinates, with mode = \"ephemeris\" only. Without it, [scene] \
+                  crs tells it, or it is y, as maps have it (UTM, ENU), where up is z.",
             value: Value::Optional("[0.0, 1.0, 0.0]"),
         },
     ];

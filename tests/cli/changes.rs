@@ -95,6 +95,12 @@ fn a_setting_takes_what_depends_on_it() {
         ("--set infer.model=conv4.onnx --set infer.min_bins=4", "infer.min_bins was 1 and is 4", 0, 2),
         ("--set merge.fill=false", "merge.fill was true and is false", 0, 2),
         ("--set scene.up=[0,1,0]", "scene.up was [0.0, 0.0, 1.0] and is [0.0, 1.0, 0.0]", 0, 0),
+        (
+            "--set scene.crs=UTM_33N --set scene.offset=[400000.5,5800000,0]",
+            "scene.crs was none and is \"EPSG:32633\"",
+            0,
+            0,
+        ),
         ("--set decode.transfer=linear", "decode.transfer was", 10, 2),
     ] {
         explain(&dir, sets).says(words);
@@ -102,4 +108,24 @@ fn a_setting_takes_what_depends_on_it() {
         ran.says(&format!("10 ({frames} cast")).says(&format!("2 ({shards} inferred"));
         explain(&dir, sets).says("nothing is done over");
     }
+}
+
+#[test]
+fn exports_and_report_say_where_the_scene_lies() {
+    let dir = city();
+    tiny(&dir);
+    let place = "--set scene.crs=32633 --set scene.offset=[400000.5,5800000,0]";
+    run(&dir, "work", place).says("coordinates    EPSG:32633 minus the offset 400000.5 5800000 0");
+    let holds = |name: &str, words: &str| {
+        let bytes = fs::read(dir.path().join("work").join(name)).unwrap();
+        assert!(bytes.windows(words.len()).any(|part| part == words.as_bytes()), "{name} does not hold {words}");
+    };
+    holds("export/scene.ply", "comment crs EPSG:32633\ncomment offset 400000.5 5800000 0\n");
+    holds("export/scene.glb", "\"crs\":\"EPSG:32633\",\"offset\":[400000.5,5800000.0,0.0]");
+    holds("report.json", "\"crs\": \"EPSG:32633\"");
+    let check = |sets: &str| Ran::gonio(dir.path(), &format!("check p.toml {SETS} --set run.work=work {sets}"));
+    check(place).ends(0).says("up is [0.000, 0.000, 1.000], by the coordinate reference system");
+    // The city is not where these say.
+    check("--set scene.crs=32633").ends(0).says("the cameras stand about").says("one of the two is another");
+    check("--set scene.crs=EPSG:2154").ends(0).says("coordinates are EPSG:2154");
 }

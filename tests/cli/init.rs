@@ -30,6 +30,17 @@ fn two_commands_give_the_materials_of_the_hand_written_file() {
 }
 
 #[test]
+fn three_lines_give_the_materials_of_the_whole_file() {
+    let dir = quick();
+    let folder = dir.path();
+    fs::write(folder.join("short.toml"), "[scene]\nmesh = [\"mesh.ply\"]\nimages = \"images\"\nposes = \"sparse/0\"\n")
+        .unwrap();
+    Ran::gonio(folder, &format!("run short.toml {SETS}")).ends(0).says("results        work/short: export/scene.glb");
+    Ran::gonio(folder, "run p.toml --set scene.up=[0,0,1] --set run.work=by-hand").ends(0);
+    assert_eq!(outputs(&folder.join("work/short"))[..1], outputs(&folder.join("by-hand"))[..1]);
+}
+
+#[test]
 fn print_writes_nothing() {
     let dir = city();
     let names = || {

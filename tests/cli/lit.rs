@@ -111,7 +111,7 @@ fn the_light_alone_is_found_and_found_anew() {
     Ran::gonio(dir.path(), "synth city --out big --triangles 5000 --frames 8 --width 320 --height 240").ends(0);
     let at =
         "light p.toml --set scene.mesh=big/mesh.ply --set scene.images=big/images --set scene.poses.path=big/sparse/0";
-    let found = || std::fs::read(dir.path().join("work/scene/light.json")).unwrap();
+    let found = || std::fs::read(dir.path().join("work/p/light.json")).unwrap();
     Ran::gonio(dir.path(), at)
         .ends(0)
         .says("sun            [-0.")
@@ -119,7 +119,7 @@ fn the_light_alone_is_found_and_found_anew() {
         .says("light.json")
         .says("light.png");
     let first = found();
-    assert!(dir.path().join("work/scene/light.png").exists() && !dir.path().join("work/scene/report.json").exists());
+    assert!(dir.path().join("work/p/light.png").exists() && !dir.path().join("work/p/report.json").exists());
     Ran::gonio(dir.path(), at).ends(0);
     assert_eq!(found(), first);
     // Found anew, it is found of the same photographs.

@@ -89,7 +89,9 @@ fn poses_that_see_nothing_of_the_mesh_are_told_of() {
     let mut out = Vec::new();
     ply::write_mesh(&mut out, &Mesh::new(&moved, city.triangles.to_vec()).unwrap(), &[]).unwrap();
     fs::write(&mesh, out).unwrap();
-    run(&dir, "work", "", 1).says("no pixel of any photograph saw the mesh from the front: mesh and poses");
+    let apart = "no camera has the mesh before it: it lies about 999";
+    Ran::gonio(dir.path(), "check p.toml").ends(0).says(apart).says("both must be in the same coordinates");
+    run(&dir, "work", "", 1).says(apart).says("no pixel of any photograph saw the mesh from the front: mesh and poses");
 }
 
 #[test]
@@ -139,7 +141,7 @@ fn a_finished_run_can_be_looked_into() {
     let gonio = |args: &str| Ran::gonio(dir.path(), args);
     gonio("export p.toml").ends(1).says("gonio run");
     gonio("maps p.toml --triangles 1 --out m.npz").ends(1).says("have not been cast");
-    run(&dir, "work/scene", "", 0).says("bottleneck").says("scene.glb");
+    run(&dir, "work/p", "", 0).says("bottleneck").says("scene.glb");
     gonio("maps p.toml --triangles 5,1,4999999 --out m.npz").ends(1).says("there is no triangle 4999999");
     gonio("maps p.toml --triangles 5,1,77 --out m.npz").ends(0);
     gonio("maps p.toml --triangles 5,1,77 --out m.png").ends(0);
@@ -148,17 +150,17 @@ fn a_finished_run_can_be_looked_into() {
     gonio("buffers p.toml --frame frame_003.jpg --out b.exr").ends(0);
     gonio("buffers p.toml --frame frame_03.jpg --out b.exr").ends(1).says("did you mean");
     gonio("render p.toml --frame frame_003.jpg --beside --out r.png").ends(0);
-    gonio("eval materials truth/materials.npy work/scene/materials.npy").ends(0).says("within one deviation");
+    gonio("eval materials truth/materials.npy work/p/materials.npy").ends(0).says("within one deviation");
     gonio("eval scene p.toml --truth truth/materials.npy --frames 1 --set light.mode=unknown")
         .ends(0)
         .says("same sun")
         .says("unknown");
-    gonio("eval scene p.toml --truth work/scene/evidence.npy").ends(1).says("shape");
-    gonio("eval materials truth/materials.npy work/scene/evidence.npy").ends(1).says("shape");
-    let exported = outputs(&dir.path().join("work/scene"));
-    fs::remove_dir_all(dir.path().join("work/scene/export")).unwrap();
+    gonio("eval scene p.toml --truth work/p/evidence.npy").ends(1).says("shape");
+    gonio("eval materials truth/materials.npy work/p/evidence.npy").ends(1).says("shape");
+    let exported = outputs(&dir.path().join("work/p"));
+    fs::remove_dir_all(dir.path().join("work/p/export")).unwrap();
     gonio("export p.toml").ends(0).says("scene.ply");
-    assert!(outputs(&dir.path().join("work/scene")) == exported);
+    assert!(outputs(&dir.path().join("work/p")) == exported);
     for file in ["m.npz", "m.png", "b.exr", "r.png"] {
         assert!(fs::metadata(dir.path().join(file)).unwrap().len() > 1000, "{file}");
     }

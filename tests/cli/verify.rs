@@ -27,7 +27,7 @@ fn a_run_is_sound_until_something_rots_and_again_after_the_next_run() {
     let said = gonio(&dir, "verify p.toml --inputs");
     said.ends(0).says("all as they were written; the inputs are those that they were made of");
     assert_eq!(said.stdout().lines().count(), 1, "{said}");
-    let work = dir.path().join("work/scene");
+    let work = dir.path().join("work/p");
     let expected = outputs(&work);
     flip(&work.join("export/scene.ply"));
     flip(&work.join("materials.npy"));

@@ -42,7 +42,7 @@ fn a_whole_project_is_told_and_its_file_is_good() {
     write(&file, &text(&found)).unwrap();
     let pipeline = load(folder.path(), &[]).unwrap();
     let at = |name: &str| folder.path().join(name);
-    assert_eq!((pipeline.scene.mesh, pipeline.scene.images), (at("dense/meshed-poisson.ply"), at("images")));
+    assert_eq!((pipeline.scene.mesh, pipeline.scene.images), (at("dense/meshed-poisson.ply").into(), at("images")));
     assert_eq!((pipeline.scene.poses.path, pipeline.scene.masks), (at("sparse/0"), Some(at("masks"))));
     assert_eq!((pipeline.run.work, pipeline.decode.downscale, pipeline.file), (at("gonio"), 1, file));
 }

@@ -4,3 +4,4 @@ mod folder;
 mod found;
 mod layouts;
 mod places;
+mod runs;

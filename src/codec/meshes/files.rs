@@ -1,10 +1,10 @@
-//! The files of a mesh: one, or the parts that a path with `*` leads to, each with the files beside it that it names.
+//! The files of a mesh: one, or the parts that a list or a path with `*` leads to, each with the files beside it that it names.
 //!
 //! What is hashed is what is read. The first file stays open; the others are opened anew for each pass, however many they are,
-//! and must be the very files that they were. Parts are one mesh, in the order of their names; nothing is welded.
+//! and must be the very files that they were. Parts are one mesh, in the order of the list and of their names; nothing is welded.
 
 use std::io::Seek;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use glam::DVec3;
 
@@ -13,7 +13,8 @@ use super::list::{FORMATS, chosen};
 use super::shifted::Shifted;
 use crate::base::input::{Closed, Input};
 use crate::base::key::{Key, KeyBuilder};
-use crate::base::{Error, Result, pattern};
+use crate::base::paths::Paths;
+use crate::base::{Error, Result};
 use crate::scene::Mesh;
 use crate::scene::mesh::MeshError;
 use crate::scene::survey::{Next, Polygons, Sample, Survey};
@@ -24,38 +25,38 @@ use crate::scene::survey::{Next, Polygons, Sample, Survey};
 /// # Errors
 /// A file that cannot be read, that is of no known format, or that is damaged; a `*` that no file fits; the answer of `may`.
 pub fn read(path: &Path, may: &dyn Fn(u64) -> Result<()>) -> Result<Mesh> {
-    MeshFiles::open(path)?.read(may)
+    MeshFiles::open(&path.into())?.read(may)
 }
 
 /// Some of the vertices of a mesh, in the file's coordinates.
 ///
 /// # Errors
 /// Those of [`read`].
-pub(crate) fn sample(path: &Path) -> Result<Vec<DVec3>> {
+pub(crate) fn sample(paths: &Paths) -> Result<Vec<DVec3>> {
     let mut sample = Sample::default();
-    MeshFiles::open(path)?.tell(&mut sample)?;
+    MeshFiles::open(paths)?.tell(&mut sample)?;
     Ok(sample.kept)
 }
 
 /// The files of a mesh.
 #[derive(Debug)]
 pub(crate) struct MeshFiles {
-    path: PathBuf,
+    paths: Paths,
     first: (&'static MeshFormat, Input),
     parts: Vec<(&'static MeshFormat, Closed)>,
     beside: Vec<Closed>,
 }
 
 impl MeshFiles {
-    /// Opens the files that a path leads to.
+    /// Opens the files that paths lead to.
     ///
     /// # Errors
     /// A file that cannot be read, that is of no known format, or that names others which are not there.
-    pub(crate) fn open(path: &Path) -> Result<Self> {
-        MeshFiles::of_formats(FORMATS, path)
+    pub(crate) fn open(paths: &Paths) -> Result<Self> {
+        MeshFiles::of_formats(FORMATS, paths)
     }
 
-    fn of_formats(formats: &[&'static MeshFormat], path: &Path) -> Result<Self> {
+    fn of_formats(formats: &[&'static MeshFormat], paths: &Paths) -> Result<Self> {
         let opened = |path: &Path| Input::open(path).map_err(Error::io("open", path));
         let mut beside = Vec::new();
         let mut one = |path: &Path| -> Result<(&'static MeshFormat, Input)> {
@@ -67,14 +68,12 @@ impl MeshFiles {
             }
             Ok((format, file))
         };
-        let paths = pattern::files(path).map_err(Error::io("list", path))?;
-        let Some((first, others)) = paths.split_first() else {
-            return Err(Error::invalid(format!("{}: no file fits, where * is any part of a name", path.display())));
-        };
-        let first = one(first)?;
-        let parts = others.iter().map(|path| one(path).map(|(format, file)| (format, file.close())));
+        let mut files = paths.files()?.into_iter();
+        let Some(first) = files.next() else { return Err(Error::invalid(format!("{paths}: no file is there"))) };
+        let first = one(&first)?;
+        let parts = files.map(|path| one(&path).map(|(format, file)| (format, file.close())));
         let parts = parts.collect::<Result<_>>()?;
-        Ok(MeshFiles { path: path.to_owned(), first, parts, beside })
+        Ok(MeshFiles { paths: paths.clone(), first, parts, beside })
     }
 
     /// The key of all bytes that the mesh is read from; of one file alone, the key of the file.
@@ -99,7 +98,7 @@ impl MeshFiles {
     /// # Errors
     /// Those of the formats; what is told makes no mesh; the answer of `may`; a file that is changed meanwhile.
     pub(crate) fn read(&mut self, may: &dyn Fn(u64) -> Result<()>) -> Result<Mesh> {
-        let path = self.path.clone();
+        let path = self.paths.to_string();
         let wrong = |why: MeshError| Error::malformed(&path, why.to_string());
         let mut survey = Survey::default();
         self.tell(&mut survey)?;
@@ -212,7 +211,7 @@ mod tests {
         let read = |name: &str, text: &str, may: &dyn Fn(u64) -> Result<()>| {
             let path = dir.path().join(name);
             std::fs::write(&path, text).unwrap();
-            let files = MeshFiles::of_formats(&[&PLY, &SAME, &OBJ], &path);
+            let files = MeshFiles::of_formats(&[&PLY, &SAME, &OBJ], &path.clone().into());
             files.and_then(|mut files| files.read(may)).map(|mesh| mesh.len()).map_err(|why| why.to_string())
         };
         let any = |_| Ok(());

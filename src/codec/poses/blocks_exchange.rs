@@ -67,7 +67,7 @@ fn read(path: &Path, photographs: &dyn Photographs) -> Result<Posed> {
     }
     let srs = xml::all(document.root_element(), "SRSId").next().and_then(|node| node.text());
     let notes = srs.filter(|id| id.trim() != "0").map(|id| format!("coordinates are of the file's SRS {}", shown(id)));
-    Ok(Posed { frames, unposed, notes: notes.into_iter().collect() })
+    Ok(Posed { frames, unposed, notes: notes.into_iter().collect(), ..Posed::default() })
 }
 
 /// From the axes of a photogroup's cameras to ours.

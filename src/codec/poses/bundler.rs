@@ -68,7 +68,7 @@ fn read(path: &Path, photographs: &dyn Photographs) -> Result<Posed> {
         let pose = posed::moved(Y_UP * seen.rotation, Y_UP * seen.translation).map_err(fault)?;
         frames.push(Frame { name, camera, pose });
     }
-    Ok(Posed { frames, unposed, notes: Vec::new() })
+    Ok(Posed { frames, unposed, ..Posed::default() })
 }
 
 impl Seen {

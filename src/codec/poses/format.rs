@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use super::photographs::Photographs;
 use crate::base::Result;
 use crate::scene::frame::Frame;
+use crate::scene::georeference::Georeference;
 
 /// A format of posed photographs: `poses = { format = "NAME", path = "PATH" }` of a pipeline file.
 ///
@@ -36,6 +37,8 @@ pub struct Posed {
     pub frames: Vec<Frame>,
     /// The images that the file names without a pose.
     pub unposed: Vec<String>,
+    /// Where on the earth the frames stand, if the files say it.
+    pub georeference: Option<Georeference>,
     /// What else a user should know, a sentence each.
     pub notes: Vec<String>,
 }

@@ -18,7 +18,7 @@ use super::tanks_and_temples::TANKS_AND_TEMPLES;
 use super::transforms::TRANSFORMS;
 
 /// Every pose format that gonio reads.
-pub(crate) const FORMATS: &[&PoseFormat] = &[
+pub const FORMATS: &[&PoseFormat] = &[
     &COLMAP,
     &OPENDRONEMAP,
     &OPENSFM,

@@ -37,8 +37,10 @@ mod xml;
 
 pub(crate) use alike::{Alike, resolve};
 pub use colmap::COLMAP;
-pub(crate) use format::{PoseFormat, Posed, Target};
-pub(crate) use list::{FORMATS, NAMES};
+pub use format::PoseFormat;
+pub(crate) use format::{Posed, Target};
+pub use list::FORMATS;
+pub(crate) use list::NAMES;
 pub(crate) use metashape::METASHAPE;
 pub(crate) use opendronemap::OPENDRONEMAP;
 pub use photographs::{NoPhotographs, PhotographFolder, Photographs};

@@ -102,7 +102,7 @@ fn read(path: &Path, photographs: &dyn Photographs) -> Result<Posed> {
         let camera = same.map_or_else(|| Arc::new(camera.clone()), Arc::clone);
         frames.push(Frame { name, camera, pose });
     }
-    Ok(Posed { frames, unposed, notes: Vec::new() })
+    Ok(Posed { frames, unposed, ..Posed::default() })
 }
 
 /// The version of a file; 0 where it has no head.

@@ -65,7 +65,7 @@ fn read(path: &Path, photographs: &dyn Photographs) -> Result<Posed> {
     let offset = found::ending(folder, &["offset.xyz"]).into_iter().next().and_then(|offset| whole::text(&offset).ok());
     let note =
         offset.map(|offset| format!("coordinates are relative to the project's offset {}", short(offset.trim())));
-    Ok(Posed { frames, unposed: Vec::new(), notes: note.into_iter().collect() })
+    Ok(Posed { frames, notes: note.into_iter().collect(), ..Posed::default() })
 }
 
 struct Shot {

@@ -81,7 +81,7 @@ fn read(path: &Path, photographs: &dyn Photographs) -> Result<Posed> {
         frames.push(Frame { name: name.clone(), camera: Arc::clone(&camera), pose });
     }
     notes.push("the lens is that of cameras.txt".to_owned());
-    Ok(Posed { frames, unposed, notes })
+    Ok(Posed { frames, unposed, notes, ..Posed::default() })
 }
 
 /// A pose of the file; no matrix where the image is not registered.

@@ -10,7 +10,7 @@ use crate::config::{Effect, Setting, Value, raw};
 use crate::pipeline::sections::{NEVER_CHANGE_A_RESULT, SECTIONS};
 
 /// Another value for every key.
-const OTHERS: [(&str, &str); 45] = [
+const OTHERS: [(&str, &str); 47] = [
     ("synth.into", "there"),
     ("synth.city.seed", "36"),
     ("synth.city.triangles", "6000"),
@@ -26,6 +26,8 @@ const OTHERS: [(&str, &str); 45] = [
     ("scene.images", "other"),
     ("scene.masks", "other"),
     ("scene.up", "[0, -1, 0]"),
+    ("scene.crs", "EPSG:32633"),
+    ("scene.offset", "[412000, 5812000, 0]"),
     ("scene.poses.format", "opensfm"),
     ("scene.poses.path", "other"),
     ("decode.transfer", "linear"),
@@ -145,9 +147,16 @@ fn settings_are_the_keys() {
     let settings: BTreeSet<String> = pipeline.all_settings().into_iter().map(|setting| setting.key).collect();
     assert_eq!(settings, all_keys());
     // Whatever an effect asks for is there once.
-    for effect in
-        [Effect::Look, Effect::Cast, Effect::Infer, Effect::Light, Effect::Merge, Effect::Axes, Effect::Formats]
-    {
+    for effect in [
+        Effect::Look,
+        Effect::Cast,
+        Effect::Infer,
+        Effect::Light,
+        Effect::Merge,
+        Effect::Place,
+        Effect::Axes,
+        Effect::Formats,
+    ] {
         let mut counts = BTreeMap::new();
         pipeline.ingredients(effect).for_each(|(key, _)| *counts.entry(key).or_insert(0) += 1);
         assert!(!counts.is_empty() && counts.values().all(|count| *count == 1), "{effect:?}: {counts:?}");

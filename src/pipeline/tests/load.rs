@@ -19,10 +19,10 @@ fn problems(text: &str, sets: &[&str]) -> String {
 fn the_template_is_the_defaults() {
     let dir = scene();
     let full = load_text(&dir, TEMPLATE.as_bytes(), &[]).unwrap();
-    assert_eq!(full.scene.mesh, dir.path().join("mesh.ply"));
-    assert_eq!(full.run.work, dir.path().join("work/scene"));
+    assert_eq!(full.scene.mesh, dir.path().join("mesh.ply").into());
+    assert_eq!(full.run.work, dir.path().join("work/p"));
     assert_eq!(full.run.grace(), crate::flow::deadline::GRACE);
-    let least = "[scene]\nmesh='mesh.ply'\nimages='images'\nposes.path='sparse/0'\n[run]\nwork='work/scene'";
+    let least = "[scene]\nmesh='mesh.ply'\nimages='images'\nposes.path='sparse/0'";
     assert_eq!(load_text(&dir, least.as_bytes(), &[]).unwrap(), full);
 }
 
@@ -40,14 +40,14 @@ fn arguments_overlay_the_file() {
 #[test]
 fn a_work_folder_of_others_and_inputs_within_one_are_refused() {
     let dir = scene();
-    let of_others = load_text(&dir, TEMPLATE.replace("work/scene", "sparse").as_bytes(), &[]).unwrap_err();
+    let of_others =
+        load_text(&dir, TEMPLATE.replace("# work = \"work/scene\"", "work = \"sparse\"").as_bytes(), &[]).unwrap_err();
     assert!(of_others.contains("run.work: holds 0, which no run of gonio made there"), "{of_others}");
     // In a run's own folder the run removes what it needs no more, so nobody's input may lie there.
-    drop(Lock::acquire(&DirStore::new(dir.path().join("work/scene"))).unwrap());
+    drop(Lock::acquire(&DirStore::new(dir.path().join("work/p"))).unwrap());
     load_text(&dir, TEMPLATE.as_bytes(), &[]).unwrap();
-    for within in ["work/scene/segments", "work/./scene/segments", "work/../work/scene/segments", "link/scene/segments"]
-    {
-        std::fs::create_dir_all(dir.path().join("work/scene/segments")).unwrap();
+    for within in ["work/p/segments", "work/./p/segments", "work/../work/p/segments", "link/p/segments"] {
+        std::fs::create_dir_all(dir.path().join("work/p/segments")).unwrap();
         #[cfg(unix)]
         std::os::unix::fs::symlink(dir.path().join("work"), dir.path().join("link")).unwrap_or_default();
         let text = TEMPLATE.replace("\"images\"", &format!("\"{within}\""));
@@ -94,7 +94,7 @@ x = 1
     insta::assert_snapshot!(text, @r#"
     p.toml:2:1: mesh: no such section; the known ones are synth, scene, decode, cast, gather, infer, merge, light, export, run; `mesh` is a key of [scene]
     p.toml:3:2: scene.mesh: is needed; add `mesh = "PATH"`
-    p.toml:4:1: scene.meshh: no such key; the known ones are mesh, images, masks, up, poses; did you mean `mesh`?
+    p.toml:4:1: scene.meshh: no such key; the known ones are mesh, images, masks, up, crs, offset, poses; did you mean `mesh`?
     p.toml:5:10: scene.images: no such folder; got photos; put the photographs there, or name their folder: --set scene.images=PATH
     p.toml:6:20: scene.poses.format: must be "colmap" or "opendronemap" or "opensfm" or "metashape" or "transforms" or "realitycapture" or "blendedmvs" or "tanks_and_temples" or "alicevision" or "openmvs" or "bundler" or "nvm" or "pix4d" or "micmac" or "blocks_exchange"; got "colmpa"; did you mean `colmap`?
     p.toml:6:37: scene.poses.path: must be a folder, and is a file; got mesh.ply; name the folder that holds cameras.bin and images.bin, or both as .txt: --set scene.poses.path=PATH
@@ -110,7 +110,6 @@ x = 1
     p.toml:21:1: merge.min_bins: moved to [infer] min_bins
     p.toml:23:11: export.formats: must be "ply" or "glb"; got "obj"
     p.toml:24:1: export.up: moved to [scene] up
-    p.toml:25:2: run.work: is needed; add `work = "PATH"`
     p.toml:26:10: run.memory: must be a number and one of B, KiB, MiB, GiB, TiB, as in "3GiB"; got "4GB"
     p.toml:27:11: run.threads: must lie in 0 to 1024; got 99999
     p.toml:28:2: trace: no such section; the known ones are synth, scene, decode, cast, gather, infer, merge, light, export, run
@@ -124,16 +123,15 @@ x = 1
 #[test]
 fn what_is_no_table_of_sections_is_told() {
     insta::assert_snapshot!(problems("", &[]), @r#"
-    p.toml: run.work: is needed; add `work = "PATH"`
     p.toml: scene.images: is needed; add `images = "PATH"`
     p.toml: scene.mesh: is needed; add `mesh = "PATH"`
     p.toml: scene.poses.path: is needed; add `path = "PATH"`
     "#);
     let sparse = TEMPLATE.replace("sparse/0", "sparse");
-    insta::assert_snapshot!(problems(&sparse, &[]), @r#"p.toml:33:8: scene.poses.path: must hold cameras.bin and images.bin, or both as .txt; got sparse; did you mean sparse/0?"#);
+    insta::assert_snapshot!(problems(&sparse, &[]), @r#"p.toml:40:8: scene.poses.path: must hold cameras.bin and images.bin, or both as .txt; got sparse; did you mean sparse/0?"#);
     insta::assert_snapshot!(problems("scene = 3\nrun = []", &[]), @r#"
     p.toml: scene.poses.path: is needed; add `path = "PATH"`
-    p.toml:1:9: scene: must be a table of keys; got 3; its keys are mesh, images, masks, up, poses
+    p.toml:1:9: scene: must be a table of keys; got 3; its keys are mesh, images, masks, up, crs, offset, poses
     p.toml:2:7: run: must be a table of keys; got a list of 0; its keys are work, memory, threads, grace, verify, holdout
     "#);
     insta::assert_snapshot!(problems("[scene\nmesh = a\n[run]\n[run]\n", &[]), @r#"

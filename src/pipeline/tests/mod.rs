@@ -1,7 +1,9 @@
 //! How pipeline files are read: the words of problems, every key's effect, the template.
 
+mod coordinates;
 mod keys;
 mod load;
+mod short;
 mod template;
 
 use std::ffi::OsString;

@@ -6,6 +6,7 @@ use crate::base::Result;
 use crate::base::ids::TriangleId;
 use crate::codec::images::to_srgb8;
 use crate::disk::{FileEntry, Store};
+use crate::scene::georeference::Georeference;
 use crate::scene::{Material, Mesh};
 use crate::stages::merge::Materials;
 
@@ -41,6 +42,8 @@ pub struct Surface<'a> {
     pub materials: &'a Materials,
     /// The way up in the mesh's coordinates.
     pub up: DVec3,
+    /// Where on the earth the mesh lies, if it is known.
+    pub place: Option<Georeference>,
 }
 
 /// The sRGB value of what has no material.

@@ -14,6 +14,6 @@ pub(super) const GLB: Exporter =
 fn write(surface: &Surface<'_>, store: &dyn Store) -> Result<Vec<FileEntry>> {
     let mut draft = store.create(FILE)?;
     let path = draft.path().to_owned();
-    glb::write(&mut draft, &path, surface.mesh, &surface.materials.rows, surface.up)?;
+    glb::write(&mut draft, &path, surface.mesh, &surface.materials.rows, surface.up, surface.place.as_ref())?;
     Ok(vec![draft.replace()?])
 }

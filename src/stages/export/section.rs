@@ -104,7 +104,8 @@ mod tests {
             rows: vec![[1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.5], [f32::NAN; 7]].into(),
             evidence: vec![[0.0; Evidence::LEN]; 2].into(),
         };
-        let (surface, store) = (Surface { mesh: &mesh, materials: &materials, up: DVec3::Z }, MemStore::new());
+        let (surface, store) =
+            (Surface { mesh: &mesh, materials: &materials, up: DVec3::Z, place: None }, MemStore::new());
         for format in &config.formats {
             let files = (format.write)(&surface, &store).unwrap();
             assert_eq!(files.iter().map(|file| file.name.as_str()).collect::<Vec<_>>(), format.files);

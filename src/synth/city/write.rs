@@ -36,16 +36,21 @@ const MESH: &str = "mesh.ply";
 const MATERIALS: &str = "truth/materials.npy";
 
 /// Makes a city in a folder, unless the folder holds it, finished and from the same configuration. `stop` is asked between
-/// photographs and within the work before them; the next making goes on from there.
+/// photographs and within the work before them; the next making goes on from there. `taken` is told how many photographs there are.
 ///
 /// # Errors
 /// A value of the configuration is out of range; the folder holds files that are not a city's; the disk is too small; a
 /// file cannot be written; `Error::Interrupted` where `stop` says so.
-pub(crate) fn generate_if_needed(folder: &Path, config: &CityConfig, stop: &dyn Fn() -> bool) -> Result<Summary> {
+pub(crate) fn generate_if_needed(
+    folder: &Path,
+    config: &CityConfig,
+    stop: &dyn Fn() -> bool,
+    taken: &dyn Fn(usize),
+) -> Result<Summary> {
     config.check()?;
     match folder::look(folder, config)? {
         Found::Finished(summary) => Ok(summary),
-        Found::Free => make(folder, config, stop),
+        Found::Free => make(folder, config, stop, taken),
     }
 }
 
@@ -57,11 +62,11 @@ pub(crate) fn generate_if_needed(folder: &Path, config: &CityConfig, stop: &dyn 
 pub(crate) fn generate(folder: &Path, config: &CityConfig, stop: &dyn Fn() -> bool) -> Result<Summary> {
     config.check()?;
     folder::look(folder, config)?;
-    make(folder, config, stop)
+    make(folder, config, stop, &|_| {})
 }
 
 /// Makes a city in a folder that may hold one.
-fn make(dir: &Path, config: &CityConfig, stop: &dyn Fn() -> bool) -> Result<Summary> {
+fn make(dir: &Path, config: &CityConfig, stop: &dyn Fn() -> bool, taken: &dyn Fn(usize)) -> Result<Summary> {
     if let Some(space) = folder::space(dir, config)? {
         space.enough("--out, or into in [synth]")?;
     }
@@ -87,6 +92,8 @@ fn make(dir: &Path, config: &CityConfig, stop: &dyn Fn() -> bool) -> Result<Summ
     folder::sweep(&dir.join("images"), |name| frames.iter().any(|f| f.name == name))?;
     let missing: Vec<&Frame> = frames.iter().filter(|f| !dir.join("images").join(&f.name).exists()).collect();
 
+    let before = frames.len() - missing.len();
+    let photographs = Photographs { missing: &missing, taken: &|now| taken(before + now), stop };
     let written = dir.join(MESH).exists() && dir.join(MATERIALS).exists();
     let mut cached = if missing.is_empty() { None } else { cache::open(&store, CACHE).ok() };
     if !written || (cached.is_none() && !missing.is_empty()) {
@@ -97,7 +104,7 @@ fn make(dir: &Path, config: &CityConfig, stop: &dyn Fn() -> bool) -> Result<Summ
     if let Some(cached) = cached.filter(|_| !missing.is_empty()) {
         let shares = sky::shares(&store, SKY, &cached.mesh, &cached.bvh, light.up, stop)?;
         let light = Lighting { visibility: shares, ..light };
-        take(&dir.join("images"), config, &missing, &cached, &materials, &light, stop)?;
+        photographs.take(&dir.join("images"), config, &cached, &materials, &light)?;
     }
     let frames = super::frames(config);
     colmap::write_model(&dir.join("sparse/0"), &frames, Encoding::Binary)?;
@@ -129,29 +136,40 @@ fn write_surface(dir: &Path, store: &DirStore, config: &CityConfig, stop: &dyn F
     Ok(())
 }
 
-/// Renders, encodes and writes photographs into a folder.
-fn take(
-    dir: &Path,
-    config: &CityConfig,
-    frames: &[&Frame],
-    scene: &Cached,
-    materials: &Array<[f32; Material::LEN]>,
-    light: &Lighting,
-    stop: &dyn Fn() -> bool,
-) -> Result<()> {
-    let n = config.supersampling;
-    for frame in frames {
-        if stop() {
-            return Err(Error::Interrupted);
+/// The photographs that are still to be taken.
+struct Photographs<'a> {
+    missing: &'a [&'a Frame],
+    /// Is told how many of them were taken.
+    taken: &'a dyn Fn(usize),
+    stop: &'a dyn Fn() -> bool,
+}
+
+impl Photographs<'_> {
+    /// Renders, encodes and writes them into a folder.
+    fn take(
+        &self,
+        dir: &Path,
+        config: &CityConfig,
+        scene: &Cached,
+        materials: &Array<[f32; Material::LEN]>,
+        light: &Lighting,
+    ) -> Result<()> {
+        let n = config.supersampling;
+        for (before, frame) in self.missing.iter().enumerate() {
+            (self.taken)(before);
+            if (self.stop)() {
+                return Err(Error::Interrupted);
+            }
+            let mut picture = relight(&scene.mesh, &scene.bvh, bytemuck::cast_slice(materials), frame, light)?;
+            if n > 1 {
+                picture = picture.shrink(n);
+            }
+            let pixels: Vec<[u8; 3]> = picture.rgb.par_iter().map(|p| p.map(images::to_srgb8)).collect();
+            images::write_jpeg(&dir.join(&frame.name), &pixels, config.width, config.height, config.jpeg_quality)?;
         }
-        let mut picture = relight(&scene.mesh, &scene.bvh, bytemuck::cast_slice(materials), frame, light)?;
-        if n > 1 {
-            picture = picture.shrink(n);
-        }
-        let pixels: Vec<[u8; 3]> = picture.rgb.par_iter().map(|p| p.map(images::to_srgb8)).collect();
-        images::write_jpeg(&dir.join(&frame.name), &pixels, config.width, config.height, config.jpeg_quality)?;
+        (self.taken)(self.missing.len());
+        Ok(())
     }
-    Ok(())
 }
 
 /// Writes the file of the light.

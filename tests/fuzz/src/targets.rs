@@ -8,6 +8,7 @@ mod mesh;
 mod model;
 mod npy;
 mod pipeline;
+mod poses;
 mod record;
 mod rows;
 mod segment;
@@ -24,7 +25,7 @@ pub struct Target {
     pub may_hold: fn(u64) -> u64,
 }
 
-pub const TARGETS: [&Target; 11] = [
+pub const TARGETS: [&Target; 12] = [
     &cache::CACHE,
     &colmap::COLMAP,
     &image::IMAGE,
@@ -33,6 +34,7 @@ pub const TARGETS: [&Target; 11] = [
     &model::MODEL,
     &npy::NPY,
     &pipeline::PIPELINE,
+    &poses::POSES,
     &record::RECORD,
     &rows::ROWS,
     &segment::SEGMENT,

@@ -12,7 +12,8 @@
 //! |           | RGB = ks / max(ks); so that F0 = 0.04 ks and F90 = max(ks)                      |                         |
 //!
 //! Triangles without a material are grey and matte. Positions are relative to the mesh's origin, which stands in
-//! `asset.extras.origin`. The node turns the up direction to glTF's +Y.
+//! `asset.extras.origin`; beside it `crs` and `offset`, what is added to origin and position to give coordinates of that system,
+//! where they are known. The node turns the up direction to glTF's +Y.
 
 mod container;
 #[cfg(test)]
@@ -27,6 +28,7 @@ use serde_json::{Value, json};
 
 use crate::base::ids::TriangleId;
 use crate::base::{Error, Result};
+use crate::scene::georeference::Georeference;
 use crate::scene::{Material, Mesh};
 use container::{Container, View};
 use texels::{Image, Texels};
@@ -48,6 +50,7 @@ pub(crate) fn write(
     mesh: &Mesh,
     rows: &[[f32; Material::LEN]],
     up: DVec3,
+    place: Option<&Georeference>,
 ) -> Result<()> {
     let too_many = || {
         let count = mesh.len();
@@ -62,7 +65,7 @@ pub(crate) fn write(
     }
     let corners = 3 * mesh.len() as u64;
     let lengths = [corners * 12, corners * 8].into_iter().chain(images);
-    let container = Container::new(lengths, |views| document(mesh, up, views)).ok_or_else(too_many)?;
+    let container = Container::new(lengths, |views| document(mesh, up, place, views)).ok_or_else(too_many)?;
     let mut all = || {
         container.start(out)?;
         for t in TriangleId::all(mesh.len()) {
@@ -79,11 +82,16 @@ pub(crate) fn write(
 }
 
 /// The JSON of a file whose views are positions, texture coordinates and the three images.
-fn document(mesh: &Mesh, up: DVec3, views: &[View]) -> Value {
+fn document(mesh: &Mesh, up: DVec3, place: Option<&Georeference>, views: &[View]) -> Value {
     let used = || mesh.triangles.iter().flatten().map(|&i| mesh.positions[i as usize]);
     let (low, high) = (used().fold(Vec3::INFINITY, Vec3::min), used().fold(Vec3::NEG_INFINITY, Vec3::max));
     let corners = 3 * mesh.len();
     let turn = DQuat::from_rotation_arc(up.normalize(), DVec3::Y).to_array();
+    let mut extras = json!({ "origin": mesh.origin.to_array() });
+    if let Some(Georeference { crs, offset }) = place {
+        extras["offset"] = json!(offset);
+        crs.iter().for_each(|crs| extras["crs"] = json!(crs));
+    }
     let view = |(at, view): (usize, &View)| {
         let mut json = json!({ "buffer": 0, "byteOffset": view.offset, "byteLength": view.length });
         if at < 2 {
@@ -95,7 +103,7 @@ fn document(mesh: &Mesh, up: DVec3, views: &[View]) -> Value {
         "asset": {
             "version": "2.0",
             "generator": concat!("gonio ", env!("CARGO_PKG_VERSION")),
-            "extras": { "origin": mesh.origin.to_array() },
+            "extras": extras,
         },
         "extensionsUsed": ["KHR_materials_specular"],
         "scene": 0,

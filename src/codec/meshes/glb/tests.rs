@@ -20,7 +20,8 @@ fn number(bytes: &[u8], at: usize) -> usize {
 /// The document and the binary chunk of a file.
 fn written(mesh: &Mesh, rows: &[[f32; Material::LEN]], up: DVec3) -> (Value, Vec<u8>) {
     let mut bytes = Vec::new();
-    write(&mut bytes, Path::new("scene.glb"), mesh, rows, up).unwrap();
+    let place = Georeference { crs: "UTM 33N".parse().ok(), offset: [0.5, 0.0, 1.0] };
+    write(&mut bytes, Path::new("scene.glb"), mesh, rows, up, Some(&place)).unwrap();
     assert_eq!((&bytes[..4], number(&bytes, 4), number(&bytes, 8)), (&b"glTF"[..], 2, bytes.len()));
     let json = number(&bytes, 12);
     assert_eq!((&bytes[16..20], json % 4), (&b"JSON"[..], 0));
@@ -80,7 +81,9 @@ fn positions_are_about_the_origin_and_bounded() {
         let exact = if bound == "min" { along.fold(f32::MAX, f32::min) } else { along.fold(f32::MIN, f32::max) };
         assert_eq!(accessor[bound][axis].as_f64().unwrap() as f32, exact, "{bound} {axis}");
     }
-    assert_eq!(document["asset"]["extras"]["origin"][1].as_f64(), Some(mesh.origin.y));
+    let extras = &document["asset"]["extras"];
+    assert_eq!(extras["origin"][1].as_f64(), Some(mesh.origin.y));
+    assert_eq!((&extras["crs"], &extras["offset"]), (&json!("EPSG:32633"), &json!([0.5, 0.0, 1.0])));
 }
 
 #[test]

@@ -22,4 +22,5 @@ mod write;
 
 pub(crate) use format::{PLY, look};
 pub use write::write_mesh;
+pub(crate) use write::write_with;
 pub(crate) use write::{FaceColumn, Values};

@@ -40,6 +40,19 @@ impl Values<'_> {
 /// Those of `out`; `InvalidInput` for a column whose name is empty, used twice, or not of letters, digits and
 /// underscores.
 pub fn write_mesh(out: &mut impl Write, mesh: &Mesh, columns: &[FaceColumn<'_>]) -> io::Result<()> {
+    write_with(out, &[], mesh, columns)
+}
+
+/// Writes a mesh with columns for its faces, and comments of a line each.
+///
+/// # Errors
+/// Those of [`write_mesh`].
+pub(crate) fn write_with(
+    out: &mut impl Write,
+    comments: &[String],
+    mesh: &Mesh,
+    columns: &[FaceColumn<'_>],
+) -> io::Result<()> {
     for (at, column) in columns.iter().enumerate() {
         let plain = !column.name.is_empty() && column.name.bytes().all(|b| b.is_ascii_alphanumeric() || b == b'_');
         let taken = column.name == "vertex_indices" || columns[..at].iter().any(|c| c.name == column.name);
@@ -48,7 +61,9 @@ pub fn write_mesh(out: &mut impl Write, mesh: &Mesh, columns: &[FaceColumn<'_>])
             return Err(io::Error::new(io::ErrorKind::InvalidInput, message));
         }
     }
-    write!(out, "ply\nformat binary_little_endian 1.0\nelement vertex {}\n", mesh.positions.len())?;
+    write!(out, "ply\nformat binary_little_endian 1.0\n")?;
+    comments.iter().try_for_each(|comment| writeln!(out, "comment {comment}"))?;
+    writeln!(out, "element vertex {}", mesh.positions.len())?;
     write!(out, "property double x\nproperty double y\nproperty double z\n")?;
     write!(out, "element face {}\nproperty list uchar uint vertex_indices\n", mesh.len())?;
     for column in columns {

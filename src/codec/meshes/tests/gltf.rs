@@ -56,7 +56,7 @@ fn buffers_beside_a_gltf_and_in_it_give_the_mesh_of_the_glb() {
 fn a_buffer_that_changes_changes_the_key_and_one_that_is_cut_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let (chunk, buffer) = (written(folder.path(), "b.bin"), folder.path().join("b.bin"));
-    let key = || MeshFiles::open(&folder.path().join("a.gltf")).unwrap().key().unwrap();
+    let key = || MeshFiles::open(&folder.path().join("a.gltf").into()).unwrap().key().unwrap();
     fs::write(&buffer, &chunk).unwrap();
     let before = key();
     fs::write(&buffer, [&chunk[..12], &[9; 4], &chunk[16..]].concat()).unwrap();
@@ -64,7 +64,7 @@ fn a_buffer_that_changes_changes_the_key_and_one_that_is_cut_is_refused() {
     fs::write(&buffer, &chunk[..59]).unwrap();
     let why = mesh(folder.path()).unwrap_err();
     assert!(why.contains("b.bin") && why.contains("a buffer is said to have 60 bytes, and 59 are there"), "{why}");
-    let mut files = MeshFiles::open(&folder.path().join("a.gltf")).unwrap();
+    let mut files = MeshFiles::open(&folder.path().join("a.gltf").into()).unwrap();
     fs::write(&buffer, &chunk).unwrap();
     let why = files.read(&|_| Ok(())).unwrap_err().to_string();
     assert!(why.contains("b.bin") && why.contains("it was changed"), "{why}");

@@ -30,7 +30,7 @@ fn all_files_that_fit_are_one_mesh_sorted_by_name() {
     let mesh = read(&path, &|_| Ok(())).unwrap();
     assert_eq!(mesh.triangles[..], [[0, 1, 2], [3, 4, 5], [8, 7, 6]]);
     assert_eq!([0, 1, 2].map(|at| places(&mesh, at)[0].x), [900.0, 1000.0, 1100.0]);
-    assert_eq!(sample(&path).unwrap().len(), 9);
+    assert_eq!(sample(&path.clone().into()).unwrap().len(), 9);
     let within = |most: u64| {
         read(&path, &|bytes| if bytes > most { Err(Error::invalid("too much")) } else { Ok(()) })
             .map(|mesh| mesh.held())
@@ -43,10 +43,14 @@ fn all_files_that_fit_are_one_mesh_sorted_by_name() {
 fn each_file_counts_for_the_key_and_one_that_changes_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let write = |name: &str, x: f64| fs::write(folder.path().join(name), obj(x)).unwrap();
-    let open = || MeshFiles::open(&folder.path().join("*.obj")).unwrap();
+    let open = || MeshFiles::open(&folder.path().join("*.obj").into()).unwrap();
     write("a.obj", 1.0);
     let alone = open().key().unwrap();
-    assert_eq!(alone, MeshFiles::open(&folder.path().join("a.obj")).unwrap().key().unwrap(), "one file is one file");
+    assert_eq!(
+        alone,
+        MeshFiles::open(&folder.path().join("a.obj").into()).unwrap().key().unwrap(),
+        "one file is one file"
+    );
     write("b.obj", 2.0);
     let two = open().key().unwrap();
     write("b.obj", 3.0);

@@ -128,7 +128,7 @@ fn read(path: &Path, photographs: &dyn Photographs) -> Result<Posed> {
         };
         frames.push(Frame { name, camera, pose });
     }
-    Ok(Posed { frames, unposed, notes: Vec::new() })
+    Ok(Posed { frames, unposed, ..Posed::default() })
 }
 
 impl View {

@@ -15,6 +15,7 @@ use crate::codec::poses::photographs::Photographs;
 use crate::codec::poses::{found, names, whole, xml};
 use crate::scene::camera::Camera;
 use crate::scene::frame::Frame;
+use crate::scene::georeference::{Crs, Georeference};
 
 /// Metashape's cameras.
 pub(crate) const METASHAPE: PoseFormat = PoseFormat {
@@ -86,11 +87,15 @@ fn read(path: &Path, photographs: &dyn Photographs) -> Result<Posed> {
     if chunks.next().is_some() {
         notes.push("the file has several chunks; the first with cameras is read".to_owned());
     }
-    if let Some(crs) = xml::text(chunk, "reference") {
+    let mut georeference = None;
+    if let Some(crs) = xml::text(chunk, "reference").filter(|crs| !crs.starts_with("LOCAL_CS")) {
         let named = short(crs.split('"').nth(1).unwrap_or(crs));
         notes.push(format!("the chunk is georeferenced ({named}): the world is geocentric, X Y Z in metres"));
+        // Other ellipsoids have geocentric systems of their own.
+        let is_wgs84 = ["WGS 84", "WGS84", "WGS_1984"].iter().any(|name| crs.contains(name));
+        georeference = is_wgs84.then_some(Georeference { crs: Some(Crs::GEOCENTRIC), offset: [0.0; 3] });
     }
-    Ok(Posed { frames: all, unposed: unaligned, notes })
+    Ok(Posed { frames: all, unposed: unaligned, georeference, notes })
 }
 
 /// The cameras of a chunk: posed, not aligned, and how many are disabled.

@@ -14,6 +14,7 @@ use crate::codec::poses::opensfm::{LensOf, Lenses};
 use crate::codec::poses::photographs::Photographs;
 use crate::codec::poses::{found, json, names, posed};
 use crate::scene::frame::Frame;
+use crate::scene::georeference::Georeference;
 
 /// OpenDroneMap's results.
 pub(crate) const OPENDRONEMAP: PoseFormat = PoseFormat {
@@ -78,11 +79,14 @@ fn read(path: &Path, photographs: &dyn Photographs) -> Result<Posed> {
         let pose = posed::at_centre(turned, DVec3::from(shot.translation) - origin).map_err(fault)?;
         frames.push(Frame { name, camera, pose });
     }
+    let georeference = offset
+        .as_ref()
+        .map(|offset| Georeference { crs: offset.projection.parse().ok(), offset: offset.at.to_array() });
     let note = offset.map(|offset| {
         let (DVec3 { x, y, .. }, projection) = (offset.at, short(&offset.projection));
         format!("coordinates are {projection} minus the offset {x} {y} of the project's meshes")
     });
-    Ok(Posed { frames, unposed: Vec::new(), notes: note.into_iter().collect() })
+    Ok(Posed { frames, georeference, notes: note.into_iter().collect(), ..Posed::default() })
 }
 
 /// The id of a shot's camera: the one it names, or the one of its size and focal length.

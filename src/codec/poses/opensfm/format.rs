@@ -84,5 +84,5 @@ fn read(path: &Path, photographs: &dyn Photographs) -> Result<Posed> {
     let note =
         format!("{more} more reconstructions, of {shots} shots, are in coordinates of their own and are not read");
     let notes = if more == 0 { Vec::new() } else { vec![note] };
-    Ok(Posed { frames, unposed: others, notes })
+    Ok(Posed { frames, unposed: others, notes, ..Posed::default() })
 }

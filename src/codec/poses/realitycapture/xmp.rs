@@ -42,7 +42,7 @@ pub(super) fn read(files: &[PathBuf], photographs: &dyn Photographs) -> Result<P
         let camera = camera(of, photographs.size(&name)?).map_err(fault)?;
         frames.push(Frame { name, camera: Arc::new(camera), pose });
     }
-    Ok(Posed { frames, unposed, notes: Vec::new() })
+    Ok(Posed { frames, unposed, ..Posed::default() })
 }
 
 /// The element that says something of the camera.

@@ -1,10 +1,12 @@
-//! Every format against the same cameras (`same_rays`), against damage (`damaged`), against what it must refuse (`refused`),
-//! and against files of the programs themselves, where they are there (`real`).
+//! Every format against the same cameras (`same_rays`), what it says of their place (`places`), against damage (`damaged`), against what it must refuse (`refused`),
+//! and against files of the programs themselves, where they are there (`real`); the seeds of the fuzz target (`seeds`).
 
 mod damaged;
+mod places;
 mod real;
 mod refused;
 mod same_rays;
+mod seeds;
 pub(crate) mod writers;
 
 use std::collections::BTreeMap;

@@ -95,7 +95,7 @@ fn read(path: &Path, photographs: &dyn Photographs) -> Result<Posed> {
     if !world.is_unmoved() {
         notes.push("applied_transform is undone: the mesh must be in the original coordinates".to_owned());
     }
-    Ok(Posed { frames, unposed: Vec::new(), notes })
+    Ok(Posed { frames, notes, ..Posed::default() })
 }
 
 /// A matrix of three or four rows.

@@ -1,3 +1,4 @@
+use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
@@ -28,7 +29,9 @@ fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
 fn the_files_hold_the_city() {
     let dir = tempfile::tempdir().unwrap();
     let (at, config) = (dir.path().join("new/city"), small(4));
-    let summary = generate_if_needed(&at, &config, GO_ON).unwrap();
+    let taken = RefCell::default();
+    let summary = generate_if_needed(&at, &config, GO_ON, &|now| Vec::push(&mut taken.borrow_mut(), now)).unwrap();
+    assert_eq!(taken.into_inner(), [0, 1, 2, 3]);
     let names: Vec<String> = files(&at).into_keys().collect();
     let expected = [
         "city.json",
@@ -60,7 +63,7 @@ fn threads_do_not_change_a_byte() {
     let made = |threads: usize| {
         let dir = tempfile::tempdir().unwrap();
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| generate_if_needed(dir.path(), &small(5), GO_ON)).unwrap();
+        pool.install(|| generate_if_needed(dir.path(), &small(5), GO_ON, &|_| {})).unwrap();
         files(dir.path())
     };
     assert_eq!(made(1), made(3));
@@ -69,29 +72,29 @@ fn threads_do_not_change_a_byte() {
 #[test]
 fn a_finished_city_is_reused_and_an_interrupted_one_made_again() {
     let (dir, config) = (tempfile::tempdir().unwrap(), small(6));
-    assert!(!generate_if_needed(dir.path(), &config, GO_ON).unwrap().reused);
+    assert!(!generate_if_needed(dir.path(), &config, GO_ON, &|_| {}).unwrap().reused);
     let whole = files(dir.path());
-    assert!(generate_if_needed(dir.path(), &config, GO_ON).unwrap().reused);
+    assert!(generate_if_needed(dir.path(), &config, GO_ON, &|_| {}).unwrap().reused);
     assert_eq!(files(dir.path()), whole);
     // Killed while it was being made again: a torn picture, one not yet there, a temporary file.
     folder::begin(dir.path()).unwrap();
     fs::write(dir.path().join("images/frame_001.jpg"), b"torn").unwrap();
     fs::remove_file(dir.path().join("images/frame_002.jpg")).unwrap();
     fs::write(dir.path().join("images/frame_002.jpg.7-0.gonio-tmp"), b"left").unwrap();
-    assert!(!generate_if_needed(dir.path(), &config, GO_ON).unwrap().reused);
+    assert!(!generate_if_needed(dir.path(), &config, GO_ON, &|_| {}).unwrap().reused);
     assert_eq!(files(dir.path()), whole);
 }
 
 #[test]
 fn what_a_city_did_not_make_stays() {
     let (dir, notes) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
-    generate_if_needed(dir.path(), &small(6), GO_ON).unwrap();
+    generate_if_needed(dir.path(), &small(6), GO_ON, &|_| {}).unwrap();
     let own = ["images/frame_notes.txt", "images/frame_001.jpg.bak", "images/frame_1_mask.png", "images/x.gonio-tmp"];
     folder::begin(dir.path()).unwrap();
     fs::create_dir(dir.path().join("unfinished")).unwrap();
     let own = own.into_iter().chain(["unfinished/thesis.tex", "notes.md"]);
     own.clone().for_each(|name| fs::write(dir.path().join(name), "precious").unwrap());
-    generate_if_needed(dir.path(), &small(5), GO_ON).unwrap();
+    generate_if_needed(dir.path(), &small(5), GO_ON, &|_| {}).unwrap();
     assert!(own.into_iter().all(|name| fs::read(dir.path().join(name)).unwrap() == b"precious"));
     // A link in a folder's place would lead to somebody's photographs.
     #[cfg(unix)]
@@ -100,7 +103,7 @@ fn what_a_city_did_not_make_stays() {
         fs::remove_dir_all(dir.path().join("images")).unwrap();
         std::os::unix::fs::symlink(notes.path(), dir.path().join("images")).unwrap();
         folder::begin(dir.path()).unwrap();
-        let why = generate_if_needed(dir.path(), &small(6), GO_ON).unwrap_err().to_string();
+        let why = generate_if_needed(dir.path(), &small(6), GO_ON, &|_| {}).unwrap_err().to_string();
         assert!(why.contains("images: it is a link or a file, where a folder of the city's is needed"), "{why}");
         assert_eq!(fs::read(notes.path().join("frame_007.jpg")).unwrap(), b"precious");
     }
@@ -109,17 +112,17 @@ fn what_a_city_did_not_make_stays() {
 #[test]
 fn an_interrupted_city_keeps_its_photographs() {
     let whole = tempfile::tempdir().unwrap();
-    generate_if_needed(whole.path(), &small(6), GO_ON).unwrap();
+    generate_if_needed(whole.path(), &small(6), GO_ON, &|_| {}).unwrap();
     let dir = tempfile::tempdir().unwrap();
     // Photographs of another city are there under the same names.
-    generate_if_needed(dir.path(), &small(5), GO_ON).unwrap();
+    generate_if_needed(dir.path(), &small(5), GO_ON, &|_| {}).unwrap();
     let images = dir.path().join("images");
     let after_one = || folder::owned(dir.path(), &small(6)) && images.join("frame_000.jpg").exists();
-    assert!(generate_if_needed(dir.path(), &small(6), &after_one).unwrap_err().is_interrupt());
+    assert!(generate_if_needed(dir.path(), &small(6), &after_one, &|_| {}).unwrap_err().is_interrupt());
     assert_eq!(fs::read_dir(&images).unwrap().count(), 1);
     let first = fs::metadata(images.join("frame_000.jpg")).unwrap().modified().unwrap();
     fs::write(images.join("frame_001.jpg.7-0.gonio-tmp"), b"left").unwrap();
-    generate_if_needed(dir.path(), &small(6), GO_ON).unwrap();
+    generate_if_needed(dir.path(), &small(6), GO_ON, &|_| {}).unwrap();
     assert_eq!(fs::metadata(images.join("frame_000.jpg")).unwrap().modified().unwrap(), first);
     assert_eq!(files(dir.path()), files(whole.path()));
 }
@@ -127,7 +130,7 @@ fn an_interrupted_city_keeps_its_photographs() {
 #[test]
 fn whenever_it_is_interrupted_it_goes_on_and_nothing_is_made_twice() {
     let whole = tempfile::tempdir().unwrap();
-    generate_if_needed(whole.path(), &small(6), GO_ON).unwrap();
+    generate_if_needed(whole.path(), &small(6), GO_ON, &|_| {}).unwrap();
     let dir = tempfile::tempdir().unwrap();
     let made = |name: &str| fs::metadata(dir.path().join(name)).and_then(|m| m.modified()).ok();
     // Each making is stopped one question later than the one before, until one gets to its end.
@@ -136,7 +139,7 @@ fn whenever_it_is_interrupted_it_goes_on_and_nothing_is_made_twice() {
         let before = ["mesh.ply", "unfinished/scene.cache", "unfinished/sky"].map(made);
         let asked = std::cell::Cell::new(0);
         let stop = || asked.replace(asked.get() + 1) >= makings;
-        let done = generate_if_needed(dir.path(), &small(6), &stop);
+        let done = generate_if_needed(dir.path(), &small(6), &stop, &|_| {});
         makings += 1;
         if done.is_ok() {
             break;
@@ -155,16 +158,16 @@ fn whenever_it_is_interrupted_it_goes_on_and_nothing_is_made_twice() {
 #[test]
 fn what_it_is_rendered_with_is_made_again_if_it_is_torn() {
     let whole = tempfile::tempdir().unwrap();
-    generate_if_needed(whole.path(), &small(6), GO_ON).unwrap();
+    generate_if_needed(whole.path(), &small(6), GO_ON, &|_| {}).unwrap();
     for name in ["scene.cache", "sky", "sky.0"] {
         let dir = tempfile::tempdir().unwrap();
         let after_one = || dir.path().join("images/frame_000.jpg").exists();
-        assert!(generate_if_needed(dir.path(), &small(6), &after_one).unwrap_err().is_interrupt());
+        assert!(generate_if_needed(dir.path(), &small(6), &after_one, &|_| {}).unwrap_err().is_interrupt());
         let torn = dir.path().join("unfinished").join(name);
         let mut bytes = fs::read(&torn).unwrap();
         bytes[100] ^= 1;
         fs::write(&torn, bytes).unwrap();
-        generate_if_needed(dir.path(), &small(6), GO_ON).unwrap();
+        generate_if_needed(dir.path(), &small(6), GO_ON, &|_| {}).unwrap();
         assert_eq!(files(dir.path()), files(whole.path()), "{name}");
     }
 }
@@ -172,10 +175,10 @@ fn what_it_is_rendered_with_is_made_again_if_it_is_torn() {
 #[test]
 fn another_configuration_replaces_the_city_and_nothing_else() {
     let dir = tempfile::tempdir().unwrap();
-    generate_if_needed(dir.path(), &small(6), GO_ON).unwrap();
+    generate_if_needed(dir.path(), &small(6), GO_ON, &|_| {}).unwrap();
     fs::write(dir.path().join("notes.txt"), b"mine").unwrap();
     fs::write(dir.path().join("images/other.jpg"), b"mine").unwrap();
-    let summary = generate_if_needed(dir.path(), &CityConfig { frames: 1, ..small(6) }, GO_ON).unwrap();
+    let summary = generate_if_needed(dir.path(), &CityConfig { frames: 1, ..small(6) }, GO_ON, &|_| {}).unwrap();
     assert!(!summary.reused && summary.frames == 1);
     let left = files(dir.path());
     assert!(left.contains_key("notes.txt") && left.contains_key("images/other.jpg"));
@@ -187,7 +190,7 @@ fn the_folder_of_another_is_left_alone() {
     for (name, text) in [("notes.txt", "mine"), ("city.json", "{\"name\": \"Paris\"}"), ("city.json", "no json")] {
         let dir = tempfile::tempdir().unwrap();
         fs::write(dir.path().join(name), text).unwrap();
-        let words = generate_if_needed(dir.path(), &small(6), GO_ON).unwrap_err().to_string();
+        let words = generate_if_needed(dir.path(), &small(6), GO_ON, &|_| {}).unwrap_err().to_string();
         assert!(words.contains("left alone") && words.contains(name), "{words}");
         assert_eq!(files(dir.path()).len(), 1);
     }
@@ -197,7 +200,7 @@ fn the_folder_of_another_is_left_alone() {
 fn a_configuration_out_of_range_touches_nothing() {
     let dir = tempfile::tempdir().unwrap();
     let at = dir.path().join("city");
-    assert!(generate_if_needed(&at, &CityConfig { frames: 0, ..small(1) }, GO_ON).is_err());
+    assert!(generate_if_needed(&at, &CityConfig { frames: 0, ..small(1) }, GO_ON, &|_| {}).is_err());
     assert!(!at.exists());
 }
 
@@ -209,10 +212,10 @@ fn the_space_that_it_takes_is_what_is_not_there_yet() {
     let all = needs().unwrap();
     assert!(!folder::is_finished(&at, &config) && all > 215 * u64::from(config.triangles), "{all}");
     let after_one = || at.join("images/frame_000.jpg").exists();
-    assert!(generate_if_needed(&at, &config, &after_one).unwrap_err().is_interrupt());
+    assert!(generate_if_needed(&at, &config, &after_one, &|_| {}).unwrap_err().is_interrupt());
     let there: u64 = files(&at).values().map(|bytes| bytes.len() as u64).sum();
     assert!(needs().unwrap() < all && needs().unwrap() >= all.saturating_sub(there), "{there} of {all} are there");
-    generate_if_needed(&at, &config, GO_ON).unwrap();
+    generate_if_needed(&at, &config, GO_ON, &|_| {}).unwrap();
     assert!(needs().is_none() && folder::is_finished(&at, &config));
     assert!(folder::space(&at, &small(7)).unwrap().is_some());
     fs::write(dir.path().join("letter"), b"dear").unwrap();
