@@ -6,7 +6,7 @@
 //! DIR/images/frame_000.jpg ..  sRGB, exposed so that a white Lambertian that faces the sun has radiance 1, clipped at 1
 //! DIR/sparse/0/*.bin           COLMAP model: one PINHOLE camera, the poses, no points
 //! DIR/truth/materials.npy      [F,7] f32, rows in the order of the mesh's faces
-//! DIR/truth/light.json         the sun's direction and colour, the sky's radiance
+//! DIR/truth/light.json         the sun's direction and colour, the sky's radiance; of several suns, which frame has which and when
 //! DIR/city.json                configuration and version, written last: a folder without it is unfinished
 //! ```
 //!
@@ -24,6 +24,7 @@ mod greenery;
 mod palette;
 mod sky;
 mod street;
+mod suns;
 mod surface;
 mod town;
 pub(crate) mod write;
@@ -32,14 +33,11 @@ pub(crate) use config::CityConfig;
 pub(crate) use folder::{is_finished, space};
 pub(crate) use write::generate_if_needed;
 
-use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use crate::base::convert::{Cut, to_u32};
 use crate::base::{Error, Result};
-use crate::render::Lighting;
 use crate::scene::frame::Frame;
-use crate::scene::light::Sun;
 use crate::scene::survey::{Polygons, Survey};
 use crate::scene::{Material, Mesh};
 use surface::Surface;
@@ -96,21 +94,10 @@ fn tell(block: &Surface, first: u32, to: &mut impl Polygons) {
     block.triangles.iter().for_each(|corners| to.polygon(&corners.map(|i| i + first)));
 }
 
-/// The light that a city stands in, as if every triangle saw the whole sky.
-pub(crate) fn lighting(config: &CityConfig) -> Lighting {
-    let (azimuth, elevation) = (config.sun_azimuth_deg.to_radians(), config.sun_elevation_deg.to_radians());
-    let direction = DVec3::new(azimuth.cos() * elevation.cos(), azimuth.sin() * elevation.cos(), elevation.sin());
-    let sun = Sun { direction: direction.as_vec3().normalize(), color: Vec3::ONE };
-    Lighting { background: HAZE, ..Lighting::new(sun, Vec3::from(config.sky)) }
-}
-
 /// The frames of the flight, sorted by name.
 pub(crate) fn frames(config: &CityConfig) -> Vec<Frame> {
     flight::frames(config, &lay_out(config).0, 1)
 }
-
-/// The radiance seen beyond the fields.
-const HAZE: Vec3 = Vec3::new(0.45, 0.52, 0.6);
 
 /// Edge length of the cells that a town's size is chosen for, metres.
 const CELL: f64 = 1.8;

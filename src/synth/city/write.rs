@@ -4,10 +4,10 @@ use std::path::Path;
 use std::sync::Arc;
 
 use rayon::prelude::*;
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::folder::{self, Found, Summary};
-use super::{CityConfig, fill, flight, lay_out, lighting, sky, survey};
+use super::{CityConfig, fill, flight, lay_out, sky, suns, survey};
 use crate::base::{Array, Error, Result, memory};
 use crate::cache::{self, Cached};
 use crate::codec::images;
@@ -81,11 +81,12 @@ fn make(dir: &Path, config: &CityConfig, stop: &dyn Fn() -> bool) -> Result<Summ
         folder::own(dir, config)?;
     }
     store.sweep()?;
-    let light = lighting(config);
-    write_light(&dir.join("truth/light.json"), &light)?;
+    let lights = suns::lights(config);
     let frames = flight::frames(config, &lay_out(config).0, config.supersampling);
+    write_light(&dir.join("truth/light.json"), config, &lights, &frames)?;
     folder::sweep(&dir.join("images"), |name| frames.iter().any(|f| f.name == name))?;
-    let missing: Vec<&Frame> = frames.iter().filter(|f| !dir.join("images").join(&f.name).exists()).collect();
+    let missing: Vec<(usize, &Frame)> =
+        frames.iter().enumerate().filter(|(_, f)| !dir.join("images").join(&f.name).exists()).collect();
 
     let written = dir.join(MESH).exists() && dir.join(MATERIALS).exists();
     let mut cached = if missing.is_empty() { None } else { cache::open(&store, CACHE).ok() };
@@ -95,9 +96,10 @@ fn make(dir: &Path, config: &CityConfig, stop: &dyn Fn() -> bool) -> Result<Summ
     }
     let materials = npy::view(Arc::new(store.open(MATERIALS)?), &store.path(MATERIALS))?;
     if let Some(cached) = cached.filter(|_| !missing.is_empty()) {
-        let shares = sky::shares(&store, SKY, &cached.mesh, &cached.bvh, light.up, stop)?;
-        let light = Lighting { visibility: shares, ..light };
-        take(&dir.join("images"), config, &missing, &cached, &materials, &light, stop)?;
+        let shares = sky::shares(&store, SKY, &cached.mesh, &cached.bvh, glam::Vec3::Z, stop)?;
+        let lights: Vec<Lighting> =
+            lights.into_iter().map(|light| Lighting { visibility: shares.clone(), ..light }).collect();
+        take(&dir.join("images"), config, &missing, &cached, &materials, &lights, stop)?;
     }
     let frames = super::frames(config);
     colmap::write_model(&dir.join("sparse/0"), &frames, Encoding::Binary)?;
@@ -133,32 +135,43 @@ fn write_surface(dir: &Path, store: &DirStore, config: &CityConfig, stop: &dyn F
 fn take(
     dir: &Path,
     config: &CityConfig,
-    frames: &[&Frame],
+    frames: &[(usize, &Frame)],
     scene: &Cached,
     materials: &Array<[f32; Material::LEN]>,
-    light: &Lighting,
+    lights: &[Lighting],
     stop: &dyn Fn() -> bool,
 ) -> Result<()> {
     let n = config.supersampling;
-    for frame in frames {
+    for &(k, frame) in frames {
         if stop() {
             return Err(Error::Interrupted);
         }
+        let light = &lights[suns::of_frame(config, k)];
         let mut picture = relight(&scene.mesh, &scene.bvh, bytemuck::cast_slice(materials), frame, light)?;
         if n > 1 {
             picture = picture.shrink(n);
         }
         let pixels: Vec<[u8; 3]> = picture.rgb.par_iter().map(|p| p.map(images::to_srgb8)).collect();
-        images::write_jpeg(&dir.join(&frame.name), &pixels, config.width, config.height, config.jpeg_quality)?;
+        let (path, size) = (dir.join(&frame.name), [config.width, config.height]);
+        images::write_jpeg_taken(&path, &pixels, size, config.jpeg_quality, suns::taken(config, k))?;
     }
     Ok(())
 }
 
-/// Writes the file of the light.
-fn write_light(path: &Path, light: &Lighting) -> Result<()> {
-    let text = json!({
-        "sun": { "direction": light.sun.direction.to_array(), "color": light.sun.color.to_array() },
-        "sky": light.sky.to_array(),
-    });
+/// Writes the file of the light: the sun, or the suns and the one of each frame, and the sky.
+fn write_light(path: &Path, config: &CityConfig, lights: &[Lighting], frames: &[Frame]) -> Result<()> {
+    let sun =
+        |light: &Lighting| json!({ "direction": light.sun.direction.to_array(), "color": light.sun.color.to_array() });
+    let mut text = json!({ "sky": config.sky });
+    if let [light] = lights {
+        text["sun"] = sun(light);
+    } else {
+        let of_frame = |(k, frame): (usize, &Frame)| {
+            let time = suns::taken(config, k).map(|time| time.to_string());
+            (frame.name.clone(), json!({ "sun": suns::of_frame(config, k), "time": time }))
+        };
+        text["suns"] = lights.iter().map(sun).collect();
+        text["frames"] = Value::Object(frames.iter().enumerate().map(of_frame).collect());
+    }
     write_atomic(path, |out| writeln!(out, "{text:#}").map_err(Error::io("write", path)))
 }

@@ -1,6 +1,7 @@
 //! Towns by their triangles, and by the files that are made of them.
 
 mod folder;
+mod worlds;
 
 use std::collections::BTreeMap;
 
@@ -109,9 +110,21 @@ fn a_hand_of_blocks_has_every_use() {
 
 #[test]
 fn values_out_of_range_are_named_together() {
-    let config = CityConfig { triangles: 3, sun_elevation_deg: f64::NAN, frames: 0, ..CityConfig::default() };
+    let config = CityConfig {
+        triangles: 3,
+        sun_elevation_deg: f64::NAN,
+        frames: 0,
+        suns: vec![[40.0, 0.0]],
+        ..CityConfig::default()
+    };
     let words = build(&config).unwrap_err().to_string();
-    for name in ["triangles is 3", "sun_elevation_deg is NaN", "frames is 0", "5000 to 20000000"] {
+    for name in [
+        "triangles is 3",
+        "sun_elevation_deg is NaN",
+        "frames is 0",
+        "5000 to 20000000",
+        "suns is [[40.0, 0.0]], but must be none, or 2 to 16 of",
+    ] {
         assert!(words.contains(name), "{words}");
     }
 }
