@@ -14,7 +14,7 @@ use crate::codec::tables::npy;
 use crate::disk::write_atomic;
 use crate::flow::deadline::GRACE;
 use crate::flow::{StopSignal, pool};
-use crate::synth::city::{self, CityConfig};
+use crate::synth::city::{self, CityConfig, World};
 use crate::synth::sparse::{self, Prior};
 use crate::synth::spheres::{Camera, Layout, Published, Samples};
 
@@ -64,6 +64,9 @@ pub(super) struct City {
     /// photograph tells when it was taken
     #[arg(long, value_name = "DEGREES", value_parser = sun, conflicts_with_all = ["sun_elevation_deg", "sun_azimuth_deg"])]
     sun: Vec<[f64; 2]>,
+    /// How much of a real town and a real camera the city has
+    #[arg(long, value_enum, default_value_t)]
+    world: World,
 }
 
 /// A sun of the command line.
@@ -168,6 +171,7 @@ fn made(what: Synth, stop: &StopSignal) -> Result<()> {
                 sun_elevation_deg: one[0],
                 sun_azimuth_deg: one[1],
                 suns: if c.sun.len() > 1 { c.sun } else { Vec::new() },
+                world: c.world,
                 ..CityConfig::default()
             };
             let made = city::generate_if_needed(&c.out, &config, &stopped)?;

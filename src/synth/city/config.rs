@@ -5,8 +5,9 @@ use std::ops::RangeInclusive;
 
 use serde::Serialize;
 
+use super::world::World;
 use crate::base::{Error, Result};
-use crate::config::{Effect, Key, Keys, Section, Settings, Value, defaults, outside};
+use crate::config::{Choice, Effect, Key, Keys, Section, Settings, Value, defaults, outside};
 
 /// A city's configuration. Two equal configurations give the same files, byte for byte.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -33,8 +34,11 @@ pub struct CityConfig {
     pub suns: Vec<[f64; 2]>,
     /// Radiance of the sky, linear RGB. A white Lambertian in the shade, under all of the sky, has this radiance too.
     pub sky: [f32; 3],
-    /// Quality of the JPEG files.
+    /// Quality of the JPEG files; in the real world 80 at most.
     pub jpeg_quality: u8,
+    /// The world that the city lies in.
+    #[serde(skip_serializing_if = "World::is_plain")]
+    pub world: World,
 }
 
 const TRIANGLES: RangeInclusive<u32> = 5000..=20_000_000;
@@ -84,7 +88,16 @@ impl Section for CityConfig {
             doc: "Radiance of the sky, linear RGB, 0 to 1.",
             value: Value::Default("[0.16, 0.19, 0.24]"),
         },
-        Key { name: "jpeg_quality", doc: "Quality of the JPEG files, 50 to 100.", value: Value::Default("95") },
+        Key {
+            name: "jpeg_quality",
+            doc: "Quality of the JPEG files, 50 to 100; in the real world 80 at most.",
+            value: Value::Default("95"),
+        },
+        Key {
+            name: "world",
+            doc: "\"plain\": a scene as it is assumed to be. \"real\": one with what real scenes have beyond that.",
+            value: Value::Default("\"plain\""),
+        },
     ];
 
     fn read(keys: &Keys<'_>) -> Self {
@@ -104,6 +117,7 @@ impl Section for CityConfig {
             suns,
             sky,
             jpeg_quality: keys.within("jpeg_quality", QUALITY),
+            world: keys.choice("world"),
         }
     }
 
@@ -120,6 +134,7 @@ impl Section for CityConfig {
             suns,
             sky,
             jpeg_quality,
+            world,
         } = self;
         Settings::of(Self::NAME)
             .with("seed", seed, Effect::Input)
@@ -133,6 +148,7 @@ impl Section for CityConfig {
             .with("suns", suns, Effect::Input)
             .with("sky", sky, Effect::Input)
             .with("jpeg_quality", jpeg_quality, Effect::Input)
+            .with("world", world.name(), Effect::Input)
     }
 }
 

@@ -7,7 +7,10 @@ use rayon::prelude::*;
 use serde_json::{Value, json};
 
 use super::folder::{self, Found, Summary};
-use super::{CityConfig, fill, flight, lay_out, sky, suns, survey};
+use super::real::photographs;
+use super::real::shade::COLUMNS;
+use super::surface::Surface;
+use super::{CityConfig, Version, World, fill, flight, lay_out, sky, suns, survey};
 use crate::base::{Array, Error, Result, memory};
 use crate::cache::{self, Cached};
 use crate::codec::images;
@@ -16,19 +19,22 @@ use crate::codec::poses::colmap::{self, Encoding};
 use crate::codec::tables::npy::{self, NpyWriter};
 use crate::disk::{DirStore, Store, write_atomic};
 use crate::render::{Lighting, relight};
-use crate::scene::Material;
 use crate::scene::frame::Frame;
+use crate::scene::{Material, Mesh};
 
 /// The folder of the files that photographs are taken with; it exists while the city is being made.
 const UNFINISHED: &str = "unfinished";
 /// The scene cache.
 const CACHE: &str = "unfinished/scene.cache";
+/// The materials and substances of a town in the real world.
+const TOWN: &str = "unfinished/town.npy";
 /// How the names of the files of the sky begin.
 const SKY: &str = "unfinished/sky";
 
 /// Whether a file of the folder of an unfinished city is the city's own.
 fn is_unfinished(name: &str) -> bool {
-    name == "scene.cache" || name == "sky" || name.strip_prefix("sky.").is_some_and(|at| at.parse::<usize>().is_ok())
+    ["scene.cache", "town.npy", "sky"].contains(&name)
+        || name.strip_prefix("sky.").is_some_and(|at| at.parse::<usize>().is_ok())
 }
 /// The mesh.
 const MESH: &str = "mesh.ply";
@@ -96,10 +102,19 @@ fn make(dir: &Path, config: &CityConfig, stop: &dyn Fn() -> bool) -> Result<Summ
     }
     let materials = npy::view(Arc::new(store.open(MATERIALS)?), &store.path(MATERIALS))?;
     if let Some(cached) = cached.filter(|_| !missing.is_empty()) {
-        let shares = sky::shares(&store, SKY, &cached.mesh, &cached.bvh, glam::Vec3::Z, stop)?;
-        let lights: Vec<Lighting> =
-            lights.into_iter().map(|light| Lighting { visibility: shares.clone(), ..light }).collect();
-        take(&dir.join("images"), config, &missing, &cached, &materials, &lights, stop)?;
+        let images = dir.join("images");
+        match config.world {
+            World::Plain => {
+                let shares = sky::shares(&store, SKY, &cached.mesh, &cached.bvh, glam::Vec3::Z, stop)?;
+                let over = |light| Lighting { visibility: shares.clone(), ..light };
+                let lights: Vec<Lighting> = lights.into_iter().map(over).collect();
+                take(&images, config, &missing, &cached, &materials, &lights, stop)?;
+            }
+            World::Real => {
+                let rows = npy::view::<COLUMNS>(Arc::new(store.open(TOWN)?), &store.path(TOWN))?;
+                photographs::take(&images, config, &missing, &cached, &rows, stop)?;
+            }
+        }
     }
     let frames = super::frames(config);
     colmap::write_model(&dir.join("sparse/0"), &frames, Encoding::Binary)?;
@@ -112,23 +127,45 @@ fn make(dir: &Path, config: &CityConfig, stop: &dyn Fn() -> bool) -> Result<Summ
 
 /// Makes the mesh and writes mesh, materials and scene cache. The mesh is not held afterwards.
 fn write_surface(dir: &Path, store: &DirStore, config: &CityConfig, stop: &dyn Fn() -> bool) -> Result<()> {
-    let survey = survey(config)?;
-    let path = dir.join(MATERIALS);
-    let failed = |why| Error::io("write", &path)(why);
-    let mut mesh = None;
-    write_atomic(&path, |out| {
-        let mut rows = NpyWriter::new(out, &[survey.triangles(), Material::LEN]).map_err(failed)?;
-        mesh = Some(fill(config, survey, &mut |some| rows.write(bytemuck::cast_slice(some)).map_err(failed))?);
-        rows.finish().map(drop).map_err(failed)
-    })?;
-    let Some(mesh) = mesh else { return Err(Error::invalid("no mesh was made")) };
+    let material = |block: &Surface, t: usize| block.materials[t].to_array();
+    let mut mesh = write_rows(&dir.join(MATERIALS), config, Version::Given, &material)?;
     let path = dir.join(MESH);
     write_atomic(&path, |mut out| ply::write_mesh(&mut out, &mesh, &[]).map_err(Error::io("write", &path)))?;
+    if config.world == World::Real {
+        drop(mesh);
+        folder::make_below(dir, UNFINISHED)?;
+        mesh = write_rows(&store.path(TOWN), config, Version::Town, &|block, t| {
+            let mut row = [0.0; COLUMNS];
+            row[..Material::LEN].copy_from_slice(&block.materials[t].to_array());
+            row[Material::LEN] = block.substances[t].number().into();
+            row
+        })?;
+    }
     folder::remove(&store.path(CACHE))?;
     cache::write(&mesh, store, CACHE, stop)?;
     drop(mesh);
     memory::trim();
     Ok(())
+}
+
+/// Makes a mesh and writes a row for each of its triangles.
+fn write_rows<const N: usize>(
+    path: &Path,
+    config: &CityConfig,
+    version: Version,
+    row: &dyn Fn(&Surface, usize) -> [f32; N],
+) -> Result<Mesh> {
+    let survey = survey(config, version)?;
+    let failed = |why| Error::io("write", path)(why);
+    let mut mesh = None;
+    write_atomic(path, |out| {
+        let mut rows = NpyWriter::new(out, &[survey.triangles(), N]).map_err(failed)?;
+        mesh = Some(fill(config, version, survey, &mut |block| {
+            (0..block.triangles.len()).try_for_each(|t| rows.write(&row(block, t))).map_err(failed)
+        })?);
+        rows.finish().map(drop).map_err(failed)
+    })?;
+    mesh.ok_or_else(|| Error::invalid("no mesh was made"))
 }
 
 /// Renders, encodes and writes photographs into a folder.

@@ -7,9 +7,10 @@ use std::collections::BTreeMap;
 
 use glam::{DVec2, DVec3};
 
-use super::surface::{Block, Spot};
+use super::surface::{Block, Part, Spot};
 use super::town::Use;
 use super::*;
+use crate::scene::Material;
 
 /// The mesh of a city and the material of each of its triangles.
 #[derive(Debug, Clone)]
@@ -20,8 +21,8 @@ struct City {
 
 fn build(config: &CityConfig) -> Result<City> {
     let mut materials = Vec::new();
-    let mesh = fill(config, survey(config)?, &mut |some| {
-        materials.extend_from_slice(some);
+    let mesh = fill(config, Version::Given, survey(config, Version::Given)?, &mut |block| {
+        materials.extend_from_slice(&block.materials);
         Ok(())
     })?;
     Ok(City { mesh, materials })
@@ -69,8 +70,14 @@ fn shapes_are_turned_outside_out() {
     let finish = palette::marking();
     let volume = |make: &dyn Fn(&mut Block)| {
         let town = Town { seed: 1, side: 1 };
-        let mut block =
-            Block { surface: Surface::default(), rng: town.rng(9, [0, 0]), ground: town.ground([0, 0]), cell: 0.9 };
+        let mut block = Block {
+            surface: Surface::default(),
+            rng: town.rng(9, [0, 0]),
+            ground: town.ground([0, 0]),
+            cell: 0.9,
+            world: World::Plain,
+            part: Part::Both,
+        };
         make(&mut block);
         let Surface { vertices, triangles, .. } = block.surface;
         let low = vertices.iter().map(|v| v.z).fold(f64::INFINITY, f64::min);

@@ -1,11 +1,14 @@
-//! What a configuration promises of the world: the plain one stays what it was, suns share out the flight.
+//! What a configuration promises of the world: the plain one stays what it was, suns share out the flight, and what is handed out of
+//! the real one has its own truth.
 
 use std::fs;
 
 use super::folder::{GO_ON, files};
 use super::small;
 use crate::codec::images::taken;
-use crate::synth::city::{CityConfig, generate_if_needed};
+use crate::codec::meshes;
+use crate::codec::tables::npy;
+use crate::synth::city::{CityConfig, Version, World, each_block, generate_if_needed};
 
 /// The digest of all files of a city, names and bytes.
 fn digest(config: &CityConfig) -> String {
@@ -54,4 +57,59 @@ fn two_suns_give_two_lights() {
         assert_eq!((&told["sun"], &told["time"]), (&sun.into(), &time.into()), "{name}");
     }
     assert!(fs::read_dir(dir.path().join("images")).unwrap().count() == 4);
+}
+
+fn real(seed: u64) -> CityConfig {
+    CityConfig { frames: 2, supersampling: 1, world: World::Real, ..small(seed) }
+}
+
+#[test]
+fn threads_do_not_change_a_byte_of_the_real_world() {
+    let made = |threads: usize| {
+        let dir = tempfile::tempdir().unwrap();
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| generate_if_needed(dir.path(), &real(5), GO_ON)).unwrap();
+        // Interrupted after its first photograph, it goes on to the same bytes.
+        let other = tempfile::tempdir().unwrap();
+        let after_one = || other.path().join("images/frame_000.jpg").exists();
+        pool.install(|| generate_if_needed(other.path(), &real(5), &after_one)).unwrap_err();
+        pool.install(|| generate_if_needed(other.path(), &real(5), GO_ON)).unwrap();
+        assert_eq!(files(dir.path()), files(other.path()));
+        files(dir.path())
+    };
+    let (one, two) = (made(1), made(2));
+    assert!(one == two && one.len() == 9, "{:?}", one.keys());
+}
+
+#[test]
+fn what_is_handed_out_has_the_truth_of_what_was_photographed_there() {
+    let (dir, config) = (tempfile::tempdir().unwrap(), real(7));
+    generate_if_needed(dir.path(), &config, GO_ON).unwrap();
+    let mesh = meshes::read(&dir.path().join("mesh.ply"), &|_| Ok(())).unwrap();
+    let truth = npy::read_rows::<7>(&dir.path().join("truth/materials.npy")).unwrap();
+    assert_eq!(mesh.len(), truth.len());
+    let mut town = Vec::new();
+    each_block(&config, Version::Town, &mut |block| {
+        let solid = (0..block.triangles.len()).filter(|t| !block.substances[*t].is_clear());
+        town.extend(solid.map(|t| {
+            let [a, b, c] = block.triangles[t].map(|v| block.vertices[v as usize]);
+            ((a + b + c) / 3.0, block.materials[t].kd)
+        }));
+        Ok(())
+    })
+    .unwrap();
+    // Whether a triangle's truth is that of the nearest of the town, but for its texture.
+    let agrees = |t: usize, row: &[f32; 7]| {
+        let middle = mesh.corners(crate::base::ids::TriangleId::at(t)).into_iter().sum::<glam::Vec3>() / 3.0;
+        let at = mesh.origin + middle.as_dvec3();
+        let near = town.iter().min_by(|a, b| a.0.distance_squared(at).total_cmp(&b.0.distance_squared(at))).unwrap();
+        (0..3).all(|c| (row[c] / near.1[c]).ln().abs() < 0.35)
+    };
+    let known: Vec<usize> = (0..truth.len()).filter(|t| truth[*t][0].is_finite()).step_by(7).collect();
+    assert!(truth.iter().all(|row| row[0].is_finite() == row[6].is_finite()));
+    let clear = truth.iter().filter(|row| row[0].is_nan()).count();
+    assert!(clear > truth.len() / 200 && clear < truth.len() / 4, "{clear} of {}", truth.len());
+    let right = known.iter().filter(|t| agrees(**t, &truth[**t])).count();
+    let shifted = known.iter().filter(|t| agrees(**t, &truth[(**t + 500) % truth.len()])).count();
+    assert!(right * 10 > known.len() * 8 && shifted * 10 < known.len() * 5, "{right}, {shifted} of {}", known.len());
 }
