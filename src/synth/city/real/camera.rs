@@ -34,7 +34,7 @@ mod tests {
 
     #[test]
     fn tones_rise_from_black_to_white_and_corners_are_darker() {
-        assert_eq!((tone(0.0), tone(1.0), tone(7.0)), (0.0, 1.0, 1.0));
+        assert!(tone(0.0) == 0.0 && (tone(1.0) - 1.0).abs() < 1e-6 && tone(7.0) == tone(1.0));
         assert!((1..100).all(|k| tone(k as f32 / 100.0) > tone((k - 1) as f32 / 100.0)));
         assert!(tone(0.05) < to_srgb(0.05) && tone(0.6) > to_srgb(0.6));
         let grey = developed(&[[0.2; 3]; 35], 7);
