@@ -6,75 +6,90 @@ use rand_pcg::Pcg64;
 use crate::base::convert::to_u8;
 use crate::scene::Material;
 
-macro_rules! substances {
-    ($($(#[$doc:meta])* $name:ident)*) => {
-        /// What a surface is made of.
-        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-        pub(super) enum Substance { $($(#[$doc])* $name),* }
-
-        impl Substance {
-            /// All substances, in the order of their numbers.
-            const ALL: &'static [Substance] = &[$(Substance::$name),*];
-        }
-    };
-}
-
-substances! {
+/// What a surface is made of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Substance {
     /// Carriageways.
-    Asphalt
+    Asphalt,
     /// Lane and parking marks.
-    Marking
+    Marking,
     /// Concrete or slabs.
-    Paving
+    Paving,
     /// Gravel.
-    Gravel
+    Gravel,
     /// Lawns.
-    Grass
+    Grass,
     /// Farmland.
-    Crop
+    Crop,
     /// Roof tiles and slates.
-    Tiles
+    Tiles,
     /// Sheet metal.
-    Sheet
+    Sheet,
     /// Weathered copper.
-    Copper
+    Copper,
     /// Coverings of flat roofs.
-    FlatRoof
+    FlatRoof,
     /// Render and paint.
-    Paint
+    Paint,
     /// Brick.
-    Brick
+    Brick,
     /// Bare concrete and stone.
-    Stone
+    Stone,
     /// Panels on walls.
-    Cladding
+    Cladding,
     /// Panes.
-    Glass
+    Glass,
     /// Photovoltaic panels.
-    Solar
+    Solar,
     /// Doors and shutters.
-    Door
+    Door,
     /// Car bodies.
-    Lacquer
+    Lacquer,
     /// Foliage.
-    Leaves
+    Leaves,
     /// Needles and hedges.
-    Needles
+    Needles,
     /// Bark.
-    Bark
+    Bark,
     /// Ponds.
-    Water
+    Water,
 }
+
+/// All substances, in the order of their numbers.
+const ALL: [Substance; 22] = [
+    Substance::Asphalt,
+    Substance::Marking,
+    Substance::Paving,
+    Substance::Gravel,
+    Substance::Grass,
+    Substance::Crop,
+    Substance::Tiles,
+    Substance::Sheet,
+    Substance::Copper,
+    Substance::FlatRoof,
+    Substance::Paint,
+    Substance::Brick,
+    Substance::Stone,
+    Substance::Cladding,
+    Substance::Glass,
+    Substance::Solar,
+    Substance::Door,
+    Substance::Lacquer,
+    Substance::Leaves,
+    Substance::Needles,
+    Substance::Bark,
+    Substance::Water,
+];
 
 impl Substance {
     /// The substance's number.
     pub(super) fn number(self) -> u8 {
-        Substance::ALL.iter().position(|one| *one == self).map_or(0, to_u8)
+        ALL.iter().position(|one| *one == self).map_or(0, to_u8)
     }
 
     /// The substance of a number.
     pub(super) fn numbered(number: usize) -> Substance {
-        Substance::ALL.get(number).copied().unwrap_or(Substance::Stone)
+        ALL.get(number).copied().unwrap_or(Substance::Stone)
     }
 
     /// Whether the substance mirrors or shows what lies behind it, which no material of one lobe does.
