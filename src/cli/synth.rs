@@ -14,7 +14,7 @@ use crate::codec::tables::npy;
 use crate::disk::write_atomic;
 use crate::flow::deadline::GRACE;
 use crate::flow::{StopSignal, pool};
-use crate::synth::city::{self, CityConfig};
+use crate::synth::city::{self, CityConfig, World};
 use crate::synth::sparse::{self, Prior};
 use crate::synth::spheres::{Camera, Layout, Published, Samples};
 
@@ -60,6 +60,19 @@ pub(super) struct City {
     /// The sun's direction from +x towards +y
     #[arg(long, default_value_t = CityConfig::default().sun_azimuth_deg, value_name = "DEGREES")]
     sun_azimuth_deg: f64,
+    /// A sun as ELEVATION/AZIMUTH in degrees; given again, the flight is shared out among the suns in its order, and each
+    /// photograph tells when it was taken
+    #[arg(long, value_name = "DEGREES", value_parser = sun, conflicts_with_all = ["sun_elevation_deg", "sun_azimuth_deg"])]
+    sun: Vec<[f64; 2]>,
+    /// How much of a real town and a real camera the city has
+    #[arg(long, value_enum, default_value_t)]
+    world: World,
+}
+
+/// A sun of the command line.
+fn sun(text: &str) -> Result<[f64; 2], String> {
+    let two = text.split_once('/').and_then(|(e, a)| Some([e.trim().parse().ok()?, a.trim().parse().ok()?]));
+    two.ok_or_else(|| "must be ELEVATION/AZIMUTH in degrees, as 47/228".to_owned())
 }
 
 /// Options of `synth spheres`.
@@ -144,6 +157,10 @@ fn made(what: Synth, stop: &StopSignal) -> Result<()> {
     let stopped = || stop.draining();
     match what {
         Synth::City(c) => {
+            let one = match c.sun[..] {
+                [one] => one,
+                _ => [c.sun_elevation_deg, c.sun_azimuth_deg],
+            };
             let config = CityConfig {
                 seed: c.seed,
                 triangles: c.triangles,
@@ -151,8 +168,10 @@ fn made(what: Synth, stop: &StopSignal) -> Result<()> {
                 width: c.width,
                 height: c.height,
                 supersampling: c.supersampling,
-                sun_elevation_deg: c.sun_elevation_deg,
-                sun_azimuth_deg: c.sun_azimuth_deg,
+                sun_elevation_deg: one[0],
+                sun_azimuth_deg: one[1],
+                suns: if c.sun.len() > 1 { c.sun } else { Vec::new() },
+                world: c.world,
                 ..CityConfig::default()
             };
             let made = city::generate_if_needed(&c.out, &config, &stopped, &|_| {})?;

@@ -66,6 +66,15 @@ impl<T: FromToml, const N: usize> FromToml for [T; N] {
     }
 }
 
+impl<T: FromToml> FromToml for Vec<T> {
+    fn from_toml(node: &Node) -> Result<Self, Problem> {
+        let Toml::List(list) = &node.value else {
+            return Err(Problem::new("must be a list").got(node.value.describe()));
+        };
+        list.iter().map(T::from_toml).collect()
+    }
+}
+
 /// What is wrong with a value that lies outside of its range.
 pub(crate) fn outside<T: PartialOrd + Display>(range: &RangeInclusive<T>, value: &T) -> Option<Problem> {
     let rule = || format!("must lie in {} to {}", range.start(), range.end());

@@ -16,10 +16,10 @@ pub(crate) fn within(
 ) -> Option<[f64; 3]> {
     let (mut counts, mut all) = ([0u64; 3], 0u64);
     for (((t, e), d), _) in truth.iter().zip(estimate).zip(deviation).zip(seen).filter(|(_, seen)| **seen) {
-        if d.iter().any(|d| !d.is_finite()) {
+        let (t, e) = (t.to_array(), e.to_array());
+        if d.iter().chain(&t).any(|v| !v.is_finite()) {
             continue;
         }
-        let (t, e) = (t.to_array(), e.to_array());
         (0..Material::LEN).filter(|&c| (t[c] - e[c]).abs() <= d[c]).for_each(|c| counts[c / 3] += 1);
         all += 1;
     }
@@ -42,7 +42,7 @@ pub(crate) struct MaterialErrors {
 }
 
 /// Compares an estimate with the truth over the triangles where `seen` is true. A triangle whose estimate has a component
-/// that is not finite counts as missing. Means are NaN where no triangle was compared.
+/// that is not finite counts as missing; one whose truth has such a component, as where a pane mirrors, is left out. Means are NaN where no triangle was compared.
 ///
 /// # Errors
 /// The lists differ in length.
@@ -52,6 +52,9 @@ pub(crate) fn compare(truth: &[Material], estimate: &[Material], seen: &[bool]) 
     let (mut sums, mut count, mut missing) = ([0.0_f64; Material::LEN], 0_u64, 0_u64);
     for ((t, e), _) in truth.iter().zip(estimate).zip(seen).filter(|(_, seen)| **seen) {
         let (t, e) = (t.to_array(), e.to_array());
+        if t.iter().any(|v| !v.is_finite()) {
+            continue;
+        }
         if e.iter().any(|v| !v.is_finite()) {
             missing += 1;
             continue;
@@ -105,6 +108,15 @@ mod tests {
         assert!((errors.kd - 0.1 / 6.0).abs() < 1e-6, "{errors:?}");
         assert!((errors.ks - 0.6 / 6.0).abs() < 1e-6, "{errors:?}");
         assert!((errors.r - 0.1 / 2.0).abs() < 1e-6, "{errors:?}");
+    }
+
+    #[test]
+    fn a_truth_that_is_no_number_is_left_out() {
+        let clear = Material::from([f32::NAN; Material::LEN]);
+        let (truth, found) = ([TRAINING_MEAN, clear], [Material { r: 0.6, ..TRAINING_MEAN }; 2]);
+        let errors = compare(&truth, &found, &[true; 2]).unwrap();
+        assert!(errors.count == 1 && errors.missing == 0 && (errors.r - 0.1).abs() < 1e-6, "{errors:?}");
+        assert_eq!(within(&truth, &found, &[[0.05; 7]; 2], &[true; 2]), Some([1.0, 1.0, 0.0]));
     }
 
     #[test]

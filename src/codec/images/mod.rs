@@ -34,4 +34,5 @@ pub(crate) use taken::{Taken, taken};
 pub use transfer::{Curve, Transfer};
 pub(crate) use transfer::{to_srgb, to_srgb8};
 pub(crate) use write::encode_png;
+pub(crate) use write::write_jpeg_taken;
 pub use write::{write_jpeg, write_png};

@@ -171,6 +171,17 @@ pub(crate) mod tests {
     }
 
     #[test]
+    fn a_time_that_is_written_is_read() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.jpg");
+        for zone in [None, Some(-210)] {
+            let time = Moment::new([2024, 6, 21], [9, 0, 4], zone);
+            crate::codec::images::write_jpeg_taken(&path, &[[9; 3]; 64], [8, 8], 90, time).unwrap();
+            assert_eq!(taken(&path).unwrap(), Taken { time, ..Taken::default() });
+        }
+    }
+
+    #[test]
     fn a_photograph_tells_how_it_was_exposed() {
         let ratio = |num, denom| Value::Rational(vec![Rational { num, denom }]);
         let all = |iso: u16| {

@@ -10,7 +10,7 @@ use crate::config::{Effect, Setting, Value, raw};
 use crate::pipeline::sections::{NEVER_CHANGE_A_RESULT, SECTIONS};
 
 /// Another value for every key.
-const OTHERS: [(&str, &str); 47] = [
+const OTHERS: [(&str, &str); 49] = [
     ("synth.into", "there"),
     ("synth.city.seed", "36"),
     ("synth.city.triangles", "6000"),
@@ -20,8 +20,10 @@ const OTHERS: [(&str, &str); 47] = [
     ("synth.city.supersampling", "1"),
     ("synth.city.sun_elevation_deg", "30"),
     ("synth.city.sun_azimuth_deg", "30"),
+    ("synth.city.suns", "[[30, 10], [40, 90]]"),
     ("synth.city.sky", "[0.1, 0.1, 0.1]"),
     ("synth.city.jpeg_quality", "90"),
+    ("synth.city.world", "real"),
     ("scene.mesh", "other.ply"),
     ("scene.images", "other"),
     ("scene.masks", "other"),

@@ -157,7 +157,7 @@ fn what_is_made_need_not_be_there_yet() {
     let text = demo.replace("city/mesh.ply", "city/msh.ply").replace("seed = 35", "seed = -1, sede = 2, sky = [1, 2]");
     insta::assert_snapshot!(load_text(&dir, text.as_bytes(), &["synth.city.frames=0"]).unwrap_err(), @r#"
     p.toml:9:17: synth.city.seed: must not be negative; got -1
-    p.toml:9:21: synth.city.sede: no such key; the known ones are seed, triangles, frames, width, height, supersampling, sun_elevation_deg, sun_azimuth_deg, sky, jpeg_quality; did you mean `seed`?
+    p.toml:9:21: synth.city.sede: no such key; the known ones are seed, triangles, frames, width, height, supersampling, sun_elevation_deg, sun_azimuth_deg, suns, sky, jpeg_quality, world; did you mean `seed`?
     p.toml:9:37: synth.city.sky: must be a list of 3 numbers; got [1, 2]
     p.toml:12:8: scene.mesh: no such file; got work/city/msh.ply; put the mesh there, a PLY or OBJ file, or name it: --set scene.mesh=PATH
     --set synth.city.frames: must lie in 1 to 100000; got 0

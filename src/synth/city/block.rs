@@ -6,15 +6,24 @@ use glam::DVec2;
 use rand::RngExt;
 
 use super::building::{self, Body, Facade, Inlay, Pitch};
+use super::finish::Finish;
 use super::street::{self, WIDTH};
-use super::surface::{Block, Finish, Rect, Spot, Surface};
+use super::surface::{Block, Part, Rect, Spot, Surface};
 use super::town::{PITCH, Town, Use};
+use super::world::World;
 use super::{greenery, palette};
 use crate::base::convert::Cut;
 
 /// The triangles of one block.
-pub(super) fn build(town: &Town, at: [i32; 2], cell: f64) -> Surface {
-    let mut block = Block { surface: Surface::default(), rng: town.rng(0, at), ground: town.ground(at), cell };
+pub(super) fn build(town: &Town, at: [i32; 2], cell: f64, world: World) -> Surface {
+    let mut block = Block {
+        surface: Surface::default(),
+        rng: town.rng(0, at),
+        ground: town.ground(at),
+        cell,
+        world,
+        part: Part::Both,
+    };
     let land_use = town.land_use(at);
     let in_town = land_use != Use::Field;
     let green = if in_town { palette::grass(&mut block.rng) } else { palette::crop(&mut block.rng) };
@@ -238,11 +247,22 @@ fn park(block: &mut Block) {
             if i == 1 || j == 1 {
                 block.floor(rect, &path);
             } else {
+                if block.world == World::Real && i == 2 && j == 2 && rect.size().min_element() > 8.0 {
+                    pond(block, rect, &lawn);
+                    continue;
+                }
                 block.floor(rect, &lawn);
                 greenery::grove(block, rect, 42.0, 5.0..11.0);
             }
         }
     }
+}
+
+/// A lawn around a pond.
+fn pond(block: &mut Block, rect: Rect, lawn: &Finish) {
+    let water = Rect { low: rect.low + 2.0, high: rect.high - 2.0 };
+    floor_around(block, rect, water, [lawn; 4]);
+    block.floor(water, &palette::water());
 }
 
 /// A church on a green: a steep nave, a tower with a copper spire.

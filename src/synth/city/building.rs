@@ -4,8 +4,9 @@
 use glam::{DVec2, DVec3};
 use rand::RngExt;
 
+use super::finish::Finish;
 use super::palette;
-use super::surface::{Block, Finish, Spot};
+use super::surface::{Block, Spot};
 use crate::base::convert::Cut;
 
 /// Height of a roof's covering above the walls, metres: without it covering and walls would mingle.

@@ -5,8 +5,9 @@ use std::ops::RangeInclusive;
 
 use serde::Serialize;
 
+use super::world::World;
 use crate::base::{Error, Result};
-use crate::config::{Effect, Key, Keys, Section, Settings, Value, defaults, outside};
+use crate::config::{Choice, Effect, Key, Keys, Section, Settings, Value, defaults, outside};
 
 /// A city's configuration. Two equal configurations give the same files, byte for byte.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -27,10 +28,17 @@ pub struct CityConfig {
     pub sun_elevation_deg: f64,
     /// The sun's direction from +x towards +y, degrees.
     pub sun_azimuth_deg: f64,
+    /// Elevation and azimuth of two or more suns, which share out the flight in its order; where there are none, the sun above
+    /// shines all the time.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub suns: Vec<[f64; 2]>,
     /// Radiance of the sky, linear RGB. A white Lambertian in the shade, under all of the sky, has this radiance too.
     pub sky: [f32; 3],
-    /// Quality of the JPEG files.
+    /// Quality of the JPEG files; in the real world 80 at most.
     pub jpeg_quality: u8,
+    /// The world that the city lies in.
+    #[serde(skip_serializing_if = "World::is_plain")]
+    pub world: World,
 }
 
 const TRIANGLES: RangeInclusive<u32> = 5000..=20_000_000;
@@ -39,6 +47,8 @@ const SIDE: RangeInclusive<u32> = 16..=16_384;
 const SUPERSAMPLING: RangeInclusive<u32> = 1..=4;
 const ELEVATION: RangeInclusive<f64> = 5.0..=90.0;
 const AZIMUTH: RangeInclusive<f64> = -360.0..=360.0;
+/// The most suns of a flight.
+const SUNS: usize = 16;
 const SKY: RangeInclusive<f32> = 0.0..=1.0;
 const QUALITY: RangeInclusive<u8> = 50..=100;
 
@@ -69,16 +79,32 @@ impl Section for CityConfig {
             value: Value::Default("228.0"),
         },
         Key {
+            name: "suns",
+            doc: "Elevation and azimuth of the suns, where there are several: the first part of the flight has the first.",
+            value: Value::Default("[]"),
+        },
+        Key {
             name: "sky",
             doc: "Radiance of the sky, linear RGB, 0 to 1.",
             value: Value::Default("[0.16, 0.19, 0.24]"),
         },
-        Key { name: "jpeg_quality", doc: "Quality of the JPEG files, 50 to 100.", value: Value::Default("95") },
+        Key {
+            name: "jpeg_quality",
+            doc: "Quality of the JPEG files, 50 to 100; in the real world 80 at most.",
+            value: Value::Default("95"),
+        },
+        Key {
+            name: "world",
+            doc: "\"plain\": a scene as it is assumed to be. \"real\": one with what real scenes have beyond that.",
+            value: Value::Default("\"plain\""),
+        },
     ];
 
     fn read(keys: &Keys<'_>) -> Self {
         let sky: [f32; 3] = keys.value("sky");
         keys.check("sky", sky.iter().all(|v| SKY.contains(v)), "must be three numbers, 0 to 1");
+        let suns: Vec<[f64; 2]> = keys.value("suns");
+        keys.check("suns", are_suns(&suns), suns_rule());
         CityConfig {
             seed: keys.value("seed"),
             triangles: keys.within("triangles", TRIANGLES),
@@ -88,8 +114,10 @@ impl Section for CityConfig {
             supersampling: keys.within("supersampling", SUPERSAMPLING),
             sun_elevation_deg: keys.within("sun_elevation_deg", ELEVATION),
             sun_azimuth_deg: keys.within("sun_azimuth_deg", AZIMUTH),
+            suns,
             sky,
             jpeg_quality: keys.within("jpeg_quality", QUALITY),
+            world: keys.choice("world"),
         }
     }
 
@@ -103,8 +131,10 @@ impl Section for CityConfig {
             supersampling,
             sun_elevation_deg,
             sun_azimuth_deg,
+            suns,
             sky,
             jpeg_quality,
+            world,
         } = self;
         Settings::of(Self::NAME)
             .with("seed", seed, Effect::Input)
@@ -115,8 +145,10 @@ impl Section for CityConfig {
             .with("supersampling", supersampling, Effect::Input)
             .with("sun_elevation_deg", sun_elevation_deg, Effect::Input)
             .with("sun_azimuth_deg", sun_azimuth_deg, Effect::Input)
+            .with("suns", suns, Effect::Input)
             .with("sky", sky, Effect::Input)
             .with("jpeg_quality", jpeg_quality, Effect::Input)
+            .with("world", world.name(), Effect::Input)
     }
 }
 
@@ -136,10 +168,22 @@ impl CityConfig {
             wrong("sun_azimuth_deg", AZIMUTH, self.sun_azimuth_deg),
             wrong("jpeg_quality", QUALITY, self.jpeg_quality),
         ];
+        problems.push((!are_suns(&self.suns)).then(|| format!("suns is {:?}, but {}", self.suns, suns_rule())));
         problems.extend(self.sky.map(|v| wrong("sky", SKY, v)));
         let problems: Vec<String> = problems.into_iter().flatten().collect();
         if problems.is_empty() { Ok(()) } else { Err(Error::invalid(format!("city: {}", problems.join("; ")))) }
     }
+}
+
+/// Whether these are several suns, or none.
+fn are_suns(suns: &[[f64; 2]]) -> bool {
+    let is_sun = |[elevation, azimuth]: &[f64; 2]| ELEVATION.contains(elevation) && AZIMUTH.contains(azimuth);
+    suns.len() != 1 && suns.len() <= SUNS && suns.iter().all(is_sun)
+}
+
+fn suns_rule() -> String {
+    let ([low, high], [from, to]) = ([ELEVATION.start(), ELEVATION.end()], [AZIMUTH.start(), AZIMUTH.end()]);
+    format!("must be none, or 2 to {SUNS} of [elevation, azimuth], {low} to {high} and {from} to {to} degrees")
 }
 
 fn wrong<T: PartialOrd + Display>(key: &str, range: RangeInclusive<T>, value: T) -> Option<String> {

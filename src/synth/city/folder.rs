@@ -11,7 +11,7 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
-use super::CityConfig;
+use super::{CityConfig, World};
 use crate::base::{Error, Result};
 use crate::disk::names::TEMPORARY;
 use crate::disk::{DirStore, Space, Store, space, write_atomic};
@@ -100,7 +100,9 @@ pub(crate) fn space(folder: &Path, config: &CityConfig) -> Result<Option<Space>>
     }
     let there: u64 = ["", "images", "truth", "unfinished"].iter().map(|sub| size(&folder.join(sub))).sum();
     let pixels = u64::from(config.frames) * u64::from(config.width) * u64::from(config.height);
-    let all = BYTES_PER_PIXEL * pixels + BYTES_PER_TRIANGLE * u64::from(config.triangles);
+    // In the real world the town that is photographed has up to three times the triangles that are handed out.
+    let times = if config.world == World::Real { 4 } else { 1 };
+    let all = BYTES_PER_PIXEL * pixels + BYTES_PER_TRIANGLE * times * u64::from(config.triangles);
     Ok(Some(Space { folder: folder.to_path_buf(), needs: all.saturating_sub(there), free: space::free(folder) }))
 }
 

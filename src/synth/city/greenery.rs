@@ -6,12 +6,17 @@ use glam::{DVec2, DVec3};
 use rand::RngExt;
 
 use super::palette;
+use super::real::clumps;
 use super::surface::{Block, Rect, Spot};
+use super::world::World;
 use crate::base::convert::Cut;
 
 /// A tree of the given height, metres: a trunk and one or two crowns, or a conifer.
 pub(super) fn tree(block: &mut Block, at: DVec2, height: f64) {
     let spot = Spot::new(at, block.rng.random_range(0.0..TAU));
+    if block.world == World::Real {
+        return clumps::tree(block, spot, height);
+    }
     if block.rng.random_bool(0.18) {
         let needles = palette::needles(&mut block.rng);
         let wide = height * block.rng.random_range(0.2..0.27);

@@ -5,8 +5,8 @@
 //! DIR/mesh.ply                 the mesh; x east-ish, y north-ish, z up, metres
 //! DIR/images/frame_000.jpg ..  sRGB, exposed so that a white Lambertian that faces the sun has radiance 1, clipped at 1
 //! DIR/sparse/0/*.bin           COLMAP model: one PINHOLE camera, the poses, no points
-//! DIR/truth/materials.npy      [F,7] f32, rows in the order of the mesh's faces
-//! DIR/truth/light.json         the sun's direction and colour, the sky's radiance
+//! DIR/truth/materials.npy      [F,7] f32, rows in the order of the mesh's faces; NaN where no such material is
+//! DIR/truth/light.json         the sun's direction and colour, the sky's radiance; of several suns, which frame has which and when
 //! DIR/city.json                configuration and version, written last: a folder without it is unfinished
 //! ```
 //!
@@ -18,30 +18,34 @@
 mod block;
 mod building;
 mod config;
+mod finish;
 mod flight;
 mod folder;
 mod greenery;
+mod missing;
 mod palette;
+mod real;
 mod sky;
 mod street;
+mod suns;
 mod surface;
 mod town;
+mod world;
 pub(crate) mod write;
 
 pub(crate) use config::CityConfig;
 pub(crate) use folder::{is_finished, space};
+pub(crate) use world::World;
 pub(crate) use write::generate_if_needed;
 
-use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use crate::base::convert::{Cut, to_u32};
 use crate::base::{Error, Result};
-use crate::render::Lighting;
+use crate::scene::Mesh;
 use crate::scene::frame::Frame;
-use crate::scene::light::Sun;
 use crate::scene::survey::{Polygons, Survey};
-use crate::scene::{Material, Mesh};
+use real::given;
 use surface::Surface;
 use town::{Density, Town, Use};
 
@@ -50,30 +54,42 @@ use town::{Density, Town, Use};
 /// # Errors
 /// A value of the configuration is out of range.
 pub(crate) fn mesh(config: &CityConfig) -> Result<Mesh> {
-    fill(config, survey(config)?, &mut |_| Ok(()))
+    fill(config, Version::Given, survey(config, Version::Given)?, &mut |_| Ok(()))
+}
+
+/// The town that is photographed, or what is handed out of it: in the plain world, the same.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Version {
+    Town,
+    Given,
 }
 
 /// Makes the blocks once to count vertices and triangles.
-fn survey(config: &CityConfig) -> Result<Survey> {
+fn survey(config: &CityConfig, version: Version) -> Result<Survey> {
     config.check()?;
     let mut survey = Survey::default();
-    each_block(config, &mut |block| {
+    each_block(config, version, &mut |block| {
         tell(block, 0, &mut survey);
         Ok(())
     })?;
     Ok(survey)
 }
 
-/// Makes the blocks again to fill the mesh, and hands on their materials in the order of the mesh's triangles. Besides the
-/// mesh, only a few blocks are held.
-fn fill(config: &CityConfig, survey: Survey, materials: &mut dyn FnMut(&[Material]) -> Result<()>) -> Result<Mesh> {
+/// Makes the blocks once more to fill the mesh that was surveyed, and hands them on in the order of the mesh's triangles.
+/// Besides the mesh, only a few blocks are held.
+fn fill(
+    config: &CityConfig,
+    version: Version,
+    survey: Survey,
+    blocks: &mut dyn FnMut(&Surface) -> Result<()>,
+) -> Result<Mesh> {
     let no_mesh = |why| Error::invalid(format!("city: {why}"));
     let mut filling = survey.filling().map_err(no_mesh)?;
     let mut first = 0;
-    each_block(config, &mut |block| {
+    each_block(config, version, &mut |block| {
         tell(block, first, &mut filling);
         first += to_u32(block.vertices.len());
-        materials(&block.materials)
+        blocks(block)
     })?;
     filling.finish().map_err(no_mesh)
 }
@@ -82,10 +98,15 @@ fn fill(config: &CityConfig, survey: Survey, materials: &mut dyn FnMut(&[Materia
 const AT_ONCE: usize = 32;
 
 /// Makes all blocks and hands them on in order.
-fn each_block(config: &CityConfig, take: &mut dyn FnMut(&Surface) -> Result<()>) -> Result<()> {
+fn each_block(config: &CityConfig, version: Version, take: &mut dyn FnMut(&Surface) -> Result<()>) -> Result<()> {
     let (town, cell) = lay_out(config);
+    let made = |block: Surface| match (config.world, version) {
+        (World::Plain, _) => block,
+        (World::Real, Version::Town) => given::town(&block),
+        (World::Real, Version::Given) => given::given(&block, cell),
+    };
     town.blocks().chunks(AT_ONCE).try_for_each(|some| {
-        let made: Vec<Surface> = some.par_iter().map(|&at| block::build(&town, at, cell)).collect();
+        let made: Vec<Surface> = some.par_iter().map(|&at| made(block::build(&town, at, cell, config.world))).collect();
         made.iter().try_for_each(&mut *take)
     })
 }
@@ -96,21 +117,10 @@ fn tell(block: &Surface, first: u32, to: &mut impl Polygons) {
     block.triangles.iter().for_each(|corners| to.polygon(&corners.map(|i| i + first)));
 }
 
-/// The light that a city stands in, as if every triangle saw the whole sky.
-pub(crate) fn lighting(config: &CityConfig) -> Lighting {
-    let (azimuth, elevation) = (config.sun_azimuth_deg.to_radians(), config.sun_elevation_deg.to_radians());
-    let direction = DVec3::new(azimuth.cos() * elevation.cos(), azimuth.sin() * elevation.cos(), elevation.sin());
-    let sun = Sun { direction: direction.as_vec3().normalize(), color: Vec3::ONE };
-    Lighting { background: HAZE, ..Lighting::new(sun, Vec3::from(config.sky)) }
-}
-
 /// The frames of the flight, sorted by name.
 pub(crate) fn frames(config: &CityConfig) -> Vec<Frame> {
     flight::frames(config, &lay_out(config).0, 1)
 }
-
-/// The radiance seen beyond the fields.
-const HAZE: Vec3 = Vec3::new(0.45, 0.52, 0.6);
 
 /// Edge length of the cells that a town's size is chosen for, metres.
 const CELL: f64 = 1.8;

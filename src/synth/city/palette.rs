@@ -4,13 +4,7 @@
 use rand::RngExt;
 use rand_pcg::Pcg64;
 
-use super::surface::Finish;
-use crate::scene::Material;
-
-/// A finish of one substance.
-fn finish(kd: [f32; 3], ks: f32, r: f32, grain: f32) -> Finish {
-    Finish { base: Material { kd, ks: [ks; 3], r }, grain }
-}
+use super::finish::{Finish, Substance};
 
 /// A random element of a list.
 fn pick<T: Copy>(rng: &mut Pcg64, of: &[T]) -> T {
@@ -26,36 +20,36 @@ fn vary(rng: &mut Pcg64, kd: [f32; 3], amount: f32) -> [f32; 3] {
 /// Carriageways: old and grey or fresh and black.
 pub(super) fn asphalt(rng: &mut Pcg64) -> Finish {
     let (grey, ks) = (rng.random_range(0.07..0.13), rng.random_range(0.2..0.4));
-    finish([grey, grey, grey * 1.03], ks, rng.random_range(0.6..0.8), 0.045)
+    Finish::new(Substance::Asphalt, [grey, grey, grey * 1.03], ks, rng.random_range(0.6..0.8), 0.045)
 }
 
 /// Lane and parking marks.
 pub(super) fn marking() -> Finish {
-    finish([0.62, 0.62, 0.6], 0.4, 0.45, 0.06)
+    Finish::new(Substance::Marking, [0.62, 0.62, 0.6], 0.4, 0.45, 0.06)
 }
 
 /// Pavements and yards of concrete or slabs.
 pub(super) fn paving(rng: &mut Pcg64) -> Finish {
     let kd = pick(rng, &[[0.33, 0.32, 0.3], [0.28, 0.27, 0.26], [0.36, 0.31, 0.25], [0.3, 0.23, 0.19]]);
-    finish(vary(rng, kd, 0.1), rng.random_range(0.15..0.35), rng.random_range(0.55..0.8), 0.08)
+    Finish::new(Substance::Paving, vary(rng, kd, 0.1), rng.random_range(0.15..0.35), rng.random_range(0.55..0.8), 0.08)
 }
 
 /// Gravel paths.
 pub(super) fn gravel(rng: &mut Pcg64) -> Finish {
-    finish(vary(rng, [0.36, 0.31, 0.24], 0.15), 0.1, 0.9, 0.1)
+    Finish::new(Substance::Gravel, vary(rng, [0.36, 0.31, 0.24], 0.15), 0.1, 0.9, 0.1)
 }
 
 /// Lawns.
 pub(super) fn grass(rng: &mut Pcg64) -> Finish {
     let kd = pick(rng, &[[0.07, 0.13, 0.035], [0.09, 0.14, 0.04], [0.06, 0.1, 0.03], [0.12, 0.14, 0.05]]);
-    finish(vary(rng, kd, 0.15), rng.random_range(0.1..0.25), rng.random_range(0.7..0.9), 0.13)
+    Finish::new(Substance::Grass, vary(rng, kd, 0.15), rng.random_range(0.1..0.25), rng.random_range(0.7..0.9), 0.13)
 }
 
 /// Farmland: green, ripe or ploughed.
 pub(super) fn crop(rng: &mut Pcg64) -> Finish {
     let kd =
         pick(rng, &[[0.09, 0.15, 0.04], [0.3, 0.25, 0.11], [0.16, 0.11, 0.07], [0.13, 0.17, 0.05], [0.36, 0.31, 0.08]]);
-    finish(vary(rng, kd, 0.15), rng.random_range(0.05..0.2), rng.random_range(0.7..0.95), 0.14)
+    Finish::new(Substance::Crop, vary(rng, kd, 0.15), rng.random_range(0.05..0.2), rng.random_range(0.7..0.95), 0.14)
 }
 
 /// Roof tiles and slates.
@@ -71,7 +65,7 @@ pub(super) fn tiles(rng: &mut Pcg64) -> Finish {
             [0.17, 0.16, 0.16],
         ],
     );
-    finish(vary(rng, kd, 0.15), rng.random_range(0.25..0.6), rng.random_range(0.4..0.65), 0.08)
+    Finish::new(Substance::Tiles, vary(rng, kd, 0.15), rng.random_range(0.25..0.6), rng.random_range(0.4..0.65), 0.08)
 }
 
 /// Coated or bare sheet-metal roofs.
@@ -87,12 +81,12 @@ pub(super) fn sheet(rng: &mut Pcg64) -> Finish {
             [0.5, 0.5, 0.48],
         ],
     );
-    finish(vary(rng, kd, 0.12), rng.random_range(0.75..1.0), rng.random_range(0.2..0.4), 0.04)
+    Finish::new(Substance::Sheet, vary(rng, kd, 0.12), rng.random_range(0.75..1.0), rng.random_range(0.2..0.4), 0.04)
 }
 
 /// Weathered copper: spires.
 pub(super) fn copper(rng: &mut Pcg64) -> Finish {
-    let mut copper = finish([0.13, 0.28, 0.22], 0.8, rng.random_range(0.3..0.45), 0.1);
+    let mut copper = Finish::new(Substance::Copper, [0.13, 0.28, 0.22], 0.8, rng.random_range(0.3..0.45), 0.1);
     copper.base.ks = [0.7, 0.85, 0.8];
     copper
 }
@@ -101,7 +95,7 @@ pub(super) fn copper(rng: &mut Pcg64) -> Finish {
 pub(super) fn flat_roof(rng: &mut Pcg64) -> Finish {
     let (kd, ks, r) =
         pick(rng, &[([0.08, 0.08, 0.085], 0.35, 0.6), ([0.3, 0.28, 0.25], 0.15, 0.85), ([0.58, 0.58, 0.57], 0.4, 0.5)]);
-    finish(vary(rng, kd, 0.15), ks, r + rng.random_range(-0.06..0.06), 0.05)
+    Finish::new(Substance::FlatRoof, vary(rng, kd, 0.15), ks, r + rng.random_range(-0.06..0.06), 0.05)
 }
 
 /// Rendered and painted walls.
@@ -120,30 +114,37 @@ pub(super) fn paint(rng: &mut Pcg64) -> Finish {
             [0.66, 0.64, 0.62],
         ],
     );
-    finish(vary(rng, kd, 0.1), rng.random_range(0.1..0.35), rng.random_range(0.55..0.9), 0.05)
+    Finish::new(Substance::Paint, vary(rng, kd, 0.1), rng.random_range(0.1..0.35), rng.random_range(0.55..0.9), 0.05)
 }
 
 /// Brick.
 pub(super) fn brick(rng: &mut Pcg64) -> Finish {
     let kd = pick(rng, &[[0.27, 0.11, 0.07], [0.34, 0.16, 0.1], [0.38, 0.27, 0.18], [0.2, 0.09, 0.07]]);
-    finish(vary(rng, kd, 0.12), rng.random_range(0.1..0.3), rng.random_range(0.65..0.85), 0.12)
+    Finish::new(Substance::Brick, vary(rng, kd, 0.12), rng.random_range(0.1..0.3), rng.random_range(0.65..0.85), 0.12)
 }
 
 /// Bare concrete and stone.
 pub(super) fn stone(rng: &mut Pcg64) -> Finish {
-    finish(vary(rng, [0.4, 0.38, 0.34], 0.15), rng.random_range(0.15..0.3), rng.random_range(0.6..0.85), 0.08)
+    Finish::new(
+        Substance::Stone,
+        vary(rng, [0.4, 0.38, 0.34], 0.15),
+        rng.random_range(0.15..0.3),
+        rng.random_range(0.6..0.85),
+        0.08,
+    )
 }
 
 /// Corrugated or panelled cladding.
 pub(super) fn cladding(rng: &mut Pcg64) -> Finish {
     let kd = pick(rng, &[[0.45, 0.46, 0.47], [0.22, 0.26, 0.32], [0.56, 0.54, 0.48], [0.2, 0.3, 0.24]]);
-    finish(vary(rng, kd, 0.1), rng.random_range(0.5..0.8), rng.random_range(0.3..0.5), 0.05)
+    Finish::new(Substance::Cladding, vary(rng, kd, 0.1), rng.random_range(0.5..0.8), rng.random_range(0.3..0.5), 0.05)
 }
 
 /// A window: dark, or with a curtain behind.
 pub(super) fn glass(rng: &mut Pcg64) -> Finish {
     let shade = if rng.random_bool(0.3) { rng.random_range(0.12..0.35) } else { rng.random_range(0.03..0.07) };
-    finish(
+    Finish::new(
+        Substance::Glass,
         vary(rng, [shade, shade, shade * 1.05], 0.05),
         rng.random_range(0.85..1.0),
         rng.random_range(0.05..0.16),
@@ -153,13 +154,13 @@ pub(super) fn glass(rng: &mut Pcg64) -> Finish {
 
 /// Photovoltaic panels.
 pub(super) fn solar() -> Finish {
-    finish([0.035, 0.04, 0.07], 0.95, 0.12, 0.05)
+    Finish::new(Substance::Solar, [0.035, 0.04, 0.07], 0.95, 0.12, 0.05)
 }
 
 /// Painted doors and shutters.
 pub(super) fn door(rng: &mut Pcg64) -> Finish {
     let kd = pick(rng, &[[0.2, 0.1, 0.06], [0.08, 0.16, 0.11], [0.1, 0.13, 0.24], [0.3, 0.06, 0.05], [0.5, 0.5, 0.48]]);
-    finish(vary(rng, kd, 0.1), rng.random_range(0.5..0.8), rng.random_range(0.25..0.45), 0.04)
+    Finish::new(Substance::Door, vary(rng, kd, 0.1), rng.random_range(0.5..0.8), rng.random_range(0.25..0.45), 0.04)
 }
 
 /// Car bodies.
@@ -176,7 +177,7 @@ pub(super) fn lacquer(rng: &mut Pcg64) -> Finish {
             [0.1, 0.2, 0.16],
         ],
     );
-    finish(vary(rng, kd, 0.1), rng.random_range(0.9..1.0), rng.random_range(0.1..0.2), 0.03)
+    Finish::new(Substance::Lacquer, vary(rng, kd, 0.1), rng.random_range(0.9..1.0), rng.random_range(0.1..0.2), 0.03)
 }
 
 /// Foliage of broad-leaved trees.
@@ -185,15 +186,26 @@ pub(super) fn leaves(rng: &mut Pcg64) -> Finish {
         [[0.065, 0.12, 0.03], [0.05, 0.095, 0.028], [0.085, 0.135, 0.035], [0.06, 0.105, 0.04], [0.1, 0.13, 0.03]];
     // Now and then a copper beech.
     let kd = if rng.random_bool(0.06) { [0.12, 0.055, 0.035] } else { pick(rng, &greens) };
-    finish(vary(rng, kd, 0.2), rng.random_range(0.2..0.45), rng.random_range(0.45..0.65), 0.28)
+    Finish::new(Substance::Leaves, vary(rng, kd, 0.2), rng.random_range(0.2..0.45), rng.random_range(0.45..0.65), 0.28)
 }
 
 /// Needles and hedges.
 pub(super) fn needles(rng: &mut Pcg64) -> Finish {
-    finish(vary(rng, [0.035, 0.07, 0.03], 0.25), rng.random_range(0.15..0.3), rng.random_range(0.55..0.75), 0.2)
+    Finish::new(
+        Substance::Needles,
+        vary(rng, [0.035, 0.07, 0.03], 0.25),
+        rng.random_range(0.15..0.3),
+        rng.random_range(0.55..0.75),
+        0.2,
+    )
 }
 
 /// Bark.
 pub(super) fn bark(rng: &mut Pcg64) -> Finish {
-    finish(vary(rng, [0.13, 0.09, 0.06], 0.2), 0.1, 0.85, 0.1)
+    Finish::new(Substance::Bark, vary(rng, [0.13, 0.09, 0.06], 0.2), 0.1, 0.85, 0.1)
+}
+
+/// Ponds.
+pub(super) fn water() -> Finish {
+    Finish::new(Substance::Water, [0.02, 0.035, 0.03], 0.5, 0.1, 0.0)
 }

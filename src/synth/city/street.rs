@@ -6,7 +6,8 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use glam::{DVec2, DVec3};
 use rand::RngExt;
 
-use super::surface::{Block, Finish, Rect, Spot};
+use super::finish::Finish;
+use super::surface::{Block, Rect, Spot};
 use super::town::{PITCH, Streets};
 use super::{greenery, palette};
 use crate::base::convert::Cut;
@@ -133,7 +134,8 @@ fn crossing(block: &mut Block, paint: &Paint, streets: Streets) {
 /// A parked car, its length along the spot's x axis.
 pub(super) fn car(block: &mut Block, spot: Spot) {
     let paint = palette::lacquer(&mut block.rng);
-    let glass = Finish { base: Material { kd: [0.03; 3], ..palette::glass(&mut block.rng).base }, grain: 0.03 };
+    let pane = palette::glass(&mut block.rng);
+    let glass = Finish { base: Material { kd: [0.03; 3], ..pane.base }, grain: 0.03, ..pane };
     let tall = block.rng.random_range(1.35..1.75);
     let (back, front, wide, belt) = (-2.1, 2.1, 0.88, 0.9);
     // The cabin narrows from its base at the belt line to its roof.

@@ -5,35 +5,12 @@ use glam::{DVec2, DVec3, Vec3};
 use rand::RngExt;
 use rand_pcg::Pcg64;
 
+use super::finish::{Finish, Substance};
+use super::real::palette::worn;
 use super::town::Ground;
+use super::world::World;
 use crate::base::convert::{Cut, to_u32};
 use crate::scene::Material;
-
-/// The finish of a surface: a material, and how far single triangles stray from it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Finish {
-    /// The material before triangles stray.
-    pub base: Material,
-    /// Largest relative deviation of a triangle's kd, ks and r.
-    pub grain: f32,
-}
-
-impl Finish {
-    /// The material of one triangle.
-    pub(super) fn sample(&self, rng: &mut Pcg64) -> Material {
-        let mut stray = |amount: f32| 1.0 + amount * self.grain * rng.random_range(-1.0..=1.0_f32);
-        let (shade, gloss, width) = (stray(1.0), stray(1.0), stray(0.6));
-        let kd = self.base.kd.map(|v| (v * shade * stray(0.3)).clamp(0.0, 1.0));
-        let ks = self.base.ks.map(|v| (v * gloss).clamp(0.0, 1.0));
-        Material { kd, ks, r: (self.base.r * width).clamp(0.0, 1.0) }
-    }
-
-    /// The same finish, brighter or darker.
-    pub(super) fn shaded(mut self, factor: f32) -> Finish {
-        self.base.kd = self.base.kd.map(|v| (v * factor).clamp(0.0, 1.0));
-        self
-    }
-}
 
 /// Triangles with a material each; vertices in mesh coordinates.
 #[derive(Debug, Clone, Default)]
@@ -44,6 +21,22 @@ pub(super) struct Surface {
     pub triangles: Vec<[u32; 3]>,
     /// The material of each triangle.
     pub materials: Vec<Material>,
+    /// The substance of each triangle.
+    pub substances: Vec<Substance>,
+    /// Where each triangle is: in the town, in the mesh that is handed out, or in both.
+    pub parts: Vec<Part>,
+}
+
+/// Where a triangle is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(super) enum Part {
+    /// In the town that is photographed and in the mesh that is handed out.
+    #[default]
+    Both,
+    /// In the town alone: a reconstruction missed it.
+    Town,
+    /// In the mesh alone: a reconstruction made it up.
+    Mesh,
 }
 
 /// An axis-parallel rectangle on the ground of a block, metres from the block's corner.
@@ -103,6 +96,10 @@ pub(super) struct Block {
     pub ground: Ground,
     /// Edge length that grids aim at, metres.
     pub cell: f64,
+    /// The world that the block lies in.
+    pub world: World,
+    /// Where the triangles are that are made next.
+    pub part: Part,
 }
 
 impl Block {
@@ -238,8 +235,11 @@ impl Block {
 
     /// One triangle over existing vertices.
     fn triangle(&mut self, indices: [u32; 3], finish: &Finish) {
+        let finish = if self.world == World::Real { worn(finish) } else { *finish };
         self.surface.triangles.push(indices);
         self.surface.materials.push(finish.sample(&mut self.rng));
+        self.surface.substances.push(finish.substance);
+        self.surface.parts.push(self.part);
     }
 
     /// A grid of `nu` by `nv` cells of two triangles over the unit square; `at` gives a vertex, `finish` a cell's finish.

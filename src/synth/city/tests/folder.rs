@@ -9,10 +9,10 @@ use crate::codec::meshes;
 use crate::codec::tables::npy;
 use crate::synth::city::{CityConfig, folder, generate_if_needed};
 
-const GO_ON: &dyn Fn() -> bool = &|| false;
+pub(super) const GO_ON: &dyn Fn() -> bool = &|| false;
 
 /// Every file below a folder by its path, with its bytes.
-fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+pub(super) fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     let mut found = BTreeMap::new();
     for entry in fs::read_dir(folder).unwrap().map(Result::unwrap) {
         let name = entry.file_name().into_string().unwrap();

@@ -1,14 +1,16 @@
 //! Towns by their triangles, and by the files that are made of them.
 
 mod folder;
+mod worlds;
 
 use std::collections::BTreeMap;
 
 use glam::{DVec2, DVec3};
 
-use super::surface::{Block, Spot};
+use super::surface::{Block, Part, Spot};
 use super::town::Use;
 use super::*;
+use crate::scene::Material;
 
 /// The mesh of a city and the material of each of its triangles.
 #[derive(Debug, Clone)]
@@ -19,8 +21,8 @@ struct City {
 
 fn build(config: &CityConfig) -> Result<City> {
     let mut materials = Vec::new();
-    let mesh = fill(config, survey(config)?, &mut |some| {
-        materials.extend_from_slice(some);
+    let mesh = fill(config, Version::Given, survey(config, Version::Given)?, &mut |block| {
+        materials.extend_from_slice(&block.materials);
         Ok(())
     })?;
     Ok(City { mesh, materials })
@@ -68,8 +70,14 @@ fn shapes_are_turned_outside_out() {
     let finish = palette::marking();
     let volume = |make: &dyn Fn(&mut Block)| {
         let town = Town { seed: 1, side: 1 };
-        let mut block =
-            Block { surface: Surface::default(), rng: town.rng(9, [0, 0]), ground: town.ground([0, 0]), cell: 0.9 };
+        let mut block = Block {
+            surface: Surface::default(),
+            rng: town.rng(9, [0, 0]),
+            ground: town.ground([0, 0]),
+            cell: 0.9,
+            world: World::Plain,
+            part: Part::Both,
+        };
         make(&mut block);
         let Surface { vertices, triangles, .. } = block.surface;
         let low = vertices.iter().map(|v| v.z).fold(f64::INFINITY, f64::min);
@@ -109,9 +117,21 @@ fn a_hand_of_blocks_has_every_use() {
 
 #[test]
 fn values_out_of_range_are_named_together() {
-    let config = CityConfig { triangles: 3, sun_elevation_deg: f64::NAN, frames: 0, ..CityConfig::default() };
+    let config = CityConfig {
+        triangles: 3,
+        sun_elevation_deg: f64::NAN,
+        frames: 0,
+        suns: vec![[40.0, 0.0]],
+        ..CityConfig::default()
+    };
     let words = build(&config).unwrap_err().to_string();
-    for name in ["triangles is 3", "sun_elevation_deg is NaN", "frames is 0", "5000 to 20000000"] {
+    for name in [
+        "triangles is 3",
+        "sun_elevation_deg is NaN",
+        "frames is 0",
+        "5000 to 20000000",
+        "suns is [[40.0, 0.0]], but must be none, or 2 to 16 of",
+    ] {
         assert!(words.contains(name), "{words}");
     }
 }
