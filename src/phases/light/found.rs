@@ -113,8 +113,8 @@ fn words(found: &Found) -> String {
         }
         Decision::NoSun => {
             format!(
-                "{seen} fit no sun much better than another ({turned:.2}): the sky was overcast, most likely, and its light is \
-                 taken for all there is"
+                "{seen} fit no sun much better than another ({turned:.2}): the sky was overcast, or what was seen lies too \
+                 much in one plane to tell; the sky's light is taken for all there is"
             )
         }
         Decision::TooLittle => format!("{seen} are too few to tell the light from"),
