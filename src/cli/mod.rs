@@ -16,6 +16,8 @@ mod export;
 mod found;
 mod init;
 mod inspect;
+#[cfg(test)]
+mod layouts;
 mod light;
 mod out_of_memory;
 mod pipeline_args;

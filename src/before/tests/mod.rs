@@ -4,4 +4,3 @@ mod folder;
 mod found;
 mod layouts;
 mod places;
-mod runs;
