@@ -290,6 +290,6 @@ fn a_segment_keeps_its_bytes() {
     let bytes = group.write(Vec::new()).unwrap().0;
     assert_eq!(
         (bytes.len(), Key::of_bytes(&bytes).to_string()),
-        (30_752, "454adad401b4c58b4b02d5ad95aede2259ba1dea4f1f734743127ab8116a72a2".into())
+        (31_189, "e1484f7d4cca53f9023e60210bf8b3cb420caba7e131fb2fb9453392a3fb54d3".into())
     );
 }
