@@ -14,6 +14,7 @@ use crate::flow::pool;
 use crate::phases::cast::{FrameGroups, opened_segments};
 use crate::phases::light::FrozenLight;
 use crate::pipeline::Pipeline;
+use crate::scene::cells::Apart;
 use crate::scene::reflectance::SparseMap;
 use crate::scene::view::View;
 use crate::shard::collect_shard;
@@ -85,7 +86,10 @@ pub fn read_maps(pipeline: &Pipeline, triangles: &[TriangleId]) -> Result<Vec<Sp
     let mut found: BTreeMap<TriangleId, SparseMap> = BTreeMap::new();
     for shard in shards {
         let maps = collect_shard(&segments, shard)?.triangles.into_iter();
-        found.extend(maps.filter(|seen| triangles.contains(&seen.triangle)).map(|seen| (seen.triangle, seen.map)));
+        found.extend(
+            maps.filter(|seen| triangles.contains(&seen.triangle))
+                .map(|seen| (seen.triangle, Apart::of(seen.cells).whole)),
+        );
     }
     Ok(triangles.iter().map(|t| found.get(t).cloned().unwrap_or_default()).collect())
 }

@@ -12,7 +12,7 @@ use crate::base::Result;
 use crate::base::convert::to_u32;
 use crate::base::ids::{ShardId, TriangleId};
 use crate::scene::cells::CELLS;
-use crate::scene::reflectance::{Bin, BinSum, SparseMap};
+use crate::scene::reflectance::{Bin, BinSum};
 
 /// The map of one triangle.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,8 +21,8 @@ pub struct TriangleMap {
     pub triangle: TriangleId,
     /// Frames that saw the triangle.
     pub frames: u32,
-    /// The triangle's reflectance map.
-    pub map: SparseMap,
+    /// The sums of the triangle's cells (`scene::cells`), ascending.
+    pub cells: Vec<(Bin, BinSum)>,
 }
 
 /// The maps of the observed triangles in a shard, or in a slice of one.
@@ -166,11 +166,7 @@ pub(crate) fn collect_slice<B: AsRef<[u8]>>(
     let observed = all.into_iter().enumerate().filter(|(_, sums)| !sums.bins.is_empty());
     let triangles = observed.map(|(slot, mut sums)| {
         sums.settle();
-        TriangleMap {
-            triangle: TriangleId(first + to_u32(slot)),
-            frames: sums.frames,
-            map: SparseMap { bins: sums.bins },
-        }
+        TriangleMap { triangle: TriangleId(first + to_u32(slot)), frames: sums.frames, cells: sums.bins }
     });
     Ok(ShardMaps { shard, more: slice.end < ShardId::TRIANGLES, triangles: triangles.collect() })
 }

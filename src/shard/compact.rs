@@ -39,8 +39,8 @@ pub(crate) fn join<B: AsRef<[u8]>, W: Write>(
     shards.dedup();
     let mut writer = SegmentWriter::new(out).map_err(&failed)?;
     for shard in shards {
-        for TriangleMap { triangle, frames, map } in collect_shard(segments, shard)?.triangles {
-            writer.push(triangle, frames, &map.bins).map_err(&failed)?;
+        for TriangleMap { triangle, frames, cells } in collect_shard(segments, shard)?.triangles {
+            writer.push(triangle, frames, &cells).map_err(&failed)?;
         }
     }
     writer.finish().map_err(failed)

@@ -9,7 +9,7 @@ use super::writer::SegmentWriter;
 use super::*;
 use crate::base::ids::{ShardId, TriangleId};
 use crate::base::key::Key;
-use crate::scene::reflectance::{Bin, BinSum, SparseMap};
+use crate::scene::reflectance::{Bin, BinSum};
 
 /// `(triangle, frames, bins)`.
 type Triangles = Vec<(u32, u32, Vec<(Bin, BinSum)>)>;
@@ -51,7 +51,7 @@ fn open(bytes: &[u8]) -> crate::base::Result<Segment<&[u8]>> {
 fn read(segments: &[Segment<&[u8]>]) -> Triangles {
     let shards = segments.iter().flat_map(|s| s.index()).map(|e| e.shard.0).max().map_or(0, |s| s + 1);
     let maps = (0..shards).flat_map(|s| collect_shard(segments, ShardId(s)).unwrap().triangles);
-    maps.map(|TriangleMap { triangle, frames, map: SparseMap { bins } }| (triangle.0, frames, bins)).collect()
+    maps.map(|TriangleMap { triangle, frames, cells }| (triangle.0, frames, cells)).collect()
 }
 
 #[test]
@@ -72,7 +72,7 @@ fn extremes_are_read_back() {
     let segment = open(&bytes).unwrap();
     let last = block::BlockTriangle { triangle: TriangleId(u32::MAX - 1), frames: 1, records: 1 };
     assert_eq!(segment.block(ShardId::LAST).unwrap().unwrap().triangles, [last]);
-    assert_eq!(collect_shard(&[segment], ShardId(0)).unwrap().triangles[0].map.bins, triangles[0].2);
+    assert_eq!(collect_shard(&[segment], ShardId(0)).unwrap().triangles[0].cells, triangles[0].2);
 }
 
 #[test]

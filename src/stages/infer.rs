@@ -237,8 +237,8 @@ impl Map for Infer<'_> {
         let (number, more) = (shard.shard, shard.more);
         let mut rows: Vec<Row> = Vec::with_capacity(shard.triangles.len());
         let mut maps: Vec<Apart> = Vec::with_capacity(shard.triangles.len());
-        for TriangleMap { triangle, frames, map: cells } in shard.triangles {
-            let apart = Apart::of(cells.bins);
+        for TriangleMap { triangle, frames, cells } in shard.triangles {
+            let apart = Apart::of(cells);
             let filled = if enough(&apart.whole) { Filled::Observed } else { Filled::Nothing };
             let evidence = Evidence { filled, ..Evidence::of(&apart.whole, frames) };
             rows.push(Row { triangle, material: [f32::NAN; Material::LEN], evidence });

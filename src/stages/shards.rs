@@ -141,7 +141,7 @@ mod tests {
     use crate::disk::{Ledger, MemStore};
     use crate::flow::{Flow, Map, StopSignal};
     use crate::scene::evidence::Evidence;
-    use crate::scene::reflectance::BinSum;
+    use crate::scene::reflectance::{BinSum, SparseMap};
     use crate::shard::{Accumulator, GroupRecords, TriangleMap, collect_least};
 
     fn shard(number: u32) -> Shard {
@@ -225,7 +225,7 @@ mod tests {
             let row = |seen: &TriangleMap| Row {
                 triangle: seen.triangle,
                 material: [0.5; 7],
-                evidence: Evidence::of(&seen.map, seen.frames),
+                evidence: Evidence::of(&SparseMap { bins: seen.cells.clone() }, seen.frames),
             };
             let rows = maps.triangles.iter().map(row).collect();
             let (shard, more) = (maps.shard, maps.more);

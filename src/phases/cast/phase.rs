@@ -116,7 +116,8 @@ impl Phase for Cast {
         let decode = scene.decode(pipeline);
         let (tile, downscale) = (pipeline.cast.tile, pipeline.decode.downscale);
         let gains = surveyed.groups.gains();
-        let sunlit = surveyed.groups.sun().map(|sun| Sunlit::new(sun, &scene.mesh, &bvh));
+        let find = |sun| pool::share(pipeline.run.threads(), || Sunlit::new(sun, &scene.mesh, &bvh));
+        let sunlit = surveyed.groups.sun().map(find).transpose()?;
         let sunlit = sunlit.as_ref();
         let cast = cast::Cast {
             frames: &scene.frames,
