@@ -18,8 +18,8 @@
 //! The median is seldom halfway. The less a map tells about the roughness, and the fewer bins it has, the nearer the answer
 //! moves to matt, smoothly, so that it relights no worse than a Lambertian would.
 //!
-//! A bin's radiance is uncertain by a step of 8 bits in the photograph, and by a share of the lobe's radiance, since the lobe changes within the
-//! bin; a bin of few pixels is less certain. A second pass sets the noise to the residuals of the first. It gives less weight to
+//! A bin's radiance is uncertain by a step of 8 bits in the photograph, and by a share of the lobe's radiance, since the lobe
+//! changes within the bin; a bin of few pixels is less certain. A second pass sets the noise to the residuals of the first. It gives less weight to
 //! bins that it cannot explain, since a passing object may have filled them, and none to clipped bins where it expects more light.
 
 mod session;

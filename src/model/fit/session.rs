@@ -90,9 +90,9 @@ impl FitSession {
         let prior = Prior::of(guess);
         self.look(parts);
         let first = self.solve_all(&prior, 1.0, &[SOME_KS; LEVELS]);
-        let noise = self.weigh(&first);
+        let larger = self.weigh(&first);
         let shine = std::array::from_fn(|level| first[level].ks.iter().sum::<f64>() / 3.0);
-        together(&self.solve_all(&prior, noise, &shine), self.seen.len())
+        together(&self.solve_all(&prior, larger, &shine), self.seen.len())
     }
 
     /// Computes the terms that stay the same while the map is fitted.
@@ -121,8 +121,8 @@ impl FitSession {
         }
     }
 
-    /// Solves for the best kd and ks of each roughness. `noise` is the variance of the noise; `shine` is roughly each roughness's
-    /// mean ks.
+    /// Solves for the best kd and ks of each roughness. The noise's variance is `larger` times that of the bins; `shine` is roughly
+    /// each roughness's mean ks.
     fn solve_all(&mut self, prior: &Prior, larger: f64, shine: &Levels<f64>) -> [Solution; LEVELS] {
         let bins = self.seen.iter().zip(&self.lobe);
         self.weights.set(bins.clone().map(|(bin, lobe)| {
@@ -144,7 +144,7 @@ impl FitSession {
     }
 
     /// Gives less weight to bins that the likeliest solution does not explain. Returns the factor by which the noise is larger than
-    /// `noise`: where pixels mix neighbours, all bins are off, and that must not look like a highlight.
+    /// that of the bins: where pixels mix neighbours, all bins are off, and that must not look like a highlight.
     fn weigh(&mut self, solutions: &[Solution; LEVELS]) -> f64 {
         let best = (0..LEVELS).max_by(|&a, &b| solutions[a].evidence.total_cmp(&solutions[b].evidence)).unwrap_or(0);
         let Solution { kd, ks, .. } = solutions[best];

@@ -5,7 +5,6 @@
 use std::collections::BTreeMap;
 use std::sync::{Arc, OnceLock};
 
-use glam::Vec3;
 use rayon::prelude::*;
 
 use super::frozen::{Frozen, Names};
@@ -49,8 +48,6 @@ pub(crate) struct FrameGroups {
     looks: Vec<Group>,
     /// The logarithm of each frame's gain, where it is known for the image that is there.
     gains: Vec<Option<f32>>,
-    /// The direction of the sun, where one is known.
-    sun: Option<Vec3>,
 }
 
 impl FrameGroups {
@@ -94,8 +91,8 @@ impl FrameGroups {
     ) -> Result<Self> {
         let planned = list.groups(&scene.frames, pipeline.gather.group);
         let frames = Ingredients::of(&scene.frames, readable);
-        let (groups, looks, gains, sun) = Default::default();
-        let mut all = FrameGroups { list, planned, frames, groups, looks, gains, sun };
+        let (groups, looks, gains) = Default::default();
+        let mut all = FrameGroups { list, planned, frames, groups, looks, gains };
         all.look(pipeline, ledger, scene, light)?;
         all.cast(pipeline, ledger, scene, light)?;
         Ok(all)
@@ -114,11 +111,6 @@ impl FrameGroups {
     /// What each frame's radiance is divided by.
     pub(crate) fn gains(&self) -> Vec<f32> {
         self.gains.iter().map(|log| log.map_or(1.0, f32::exp)).collect()
-    }
-
-    /// The direction of the sun, where one is known: observations are kept apart by its light.
-    pub(crate) fn sun(&self) -> Option<Vec3> {
-        self.sun
     }
 
     /// Gives the units of looking the recipes that they have now.
@@ -148,12 +140,11 @@ impl FrameGroups {
         scene: &LoadedScene,
         light: &FrozenLight,
     ) -> Result<()> {
-        self.sun = sun_of(pipeline, light);
         let sun = if pipeline.estimates_light() { PhaseName::Light.as_str() } else { "light.sun" };
         let recipe = Recipe::new(PhaseName::Cast, "")
             .with("scene.mesh", scene.mesh_key)
             .with(FORMAT, VERSION)
-            .with_or_without(sun, self.sun.map(|sun| sun.to_string()))
+            .with_or_without(sun, sun_of(pipeline, light))
             .with_all(pipeline.ingredients(Effect::Cast));
         self.gains = vec![None; scene.frames.len()];
         for group in &self.looks {

@@ -15,6 +15,7 @@ use crate::phases::cause::Cause;
 use crate::phases::context::Context;
 use crate::phases::facts::{Facts, USUAL_BINS};
 use crate::phases::known::Known;
+use crate::phases::light::sun_of;
 use crate::phases::phase::Phase;
 use crate::phases::report::FrameCounts;
 use crate::phases::takes::{QUEUE, Takes};
@@ -117,7 +118,7 @@ impl Phase for Cast {
         let (tile, downscale) = (pipeline.cast.tile, pipeline.decode.downscale);
         let gains = surveyed.groups.gains();
         let find = |sun| pool::share(pipeline.run.threads(), || Sunlit::new(sun, &scene.mesh, &bvh));
-        let sunlit = surveyed.groups.sun().map(find).transpose()?;
+        let sunlit = sun_of(pipeline, &surveyed.light).map(find).transpose()?;
         let sunlit = sunlit.as_ref();
         let cast = cast::Cast {
             frames: &scene.frames,

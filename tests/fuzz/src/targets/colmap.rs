@@ -2,10 +2,10 @@
 //! part.
 
 use std::fs;
-use std::path::{Component, Path};
 
 use gonio::internals::codec::poses;
 
+use super::poses::hold_sound;
 use super::{BUFFERS, Target};
 use crate::input;
 
@@ -30,11 +30,6 @@ fn read(bytes: &[u8]) -> bool {
             return false;
         }
     };
-    for frame in frames {
-        assert!(Path::new(&frame.name).components().all(|c| matches!(c, Component::Normal(_))), "{:?}", frame.name);
-        assert!(!frame.name.contains(char::is_control), "{:?}", frame.name);
-        assert!(frame.pose.translation.is_finite() && frame.pose.rotation.is_normalized());
-        assert!(frame.camera.width > 0 && frame.camera.height > 0);
-    }
+    hold_sound(&frames);
     true
 }

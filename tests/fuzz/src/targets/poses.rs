@@ -7,6 +7,7 @@ use std::path::{Component, Path};
 use gonio::Result;
 use gonio::internals::codec::images::Size;
 use gonio::internals::codec::poses::{self, Photographs};
+use gonio::internals::scene::frame::Frame;
 
 use super::{BUFFERS, Target};
 use crate::input;
@@ -89,11 +90,16 @@ fn read(bytes: &[u8]) -> bool {
             return false;
         }
     };
+    hold_sound(&frames);
+    true
+}
+
+/// Fails unless every frame has a name that leads nowhere else, a pose and a size.
+pub fn hold_sound(frames: &[Frame]) {
     for frame in frames {
         assert!(Path::new(&frame.name).components().all(|c| matches!(c, Component::Normal(_))), "{:?}", frame.name);
         assert!(!frame.name.contains(char::is_control), "{:?}", frame.name);
         assert!(frame.pose.translation.is_finite() && frame.pose.rotation.is_normalized());
         assert!(frame.camera.width > 0 && frame.camera.height > 0);
     }
-    true
 }
