@@ -1,6 +1,7 @@
 //! OpenEXR: the layer that has R, G and B, or Y alone, on the grid of the display window, one block at a time.
 
 use std::io::{self, BufRead, ErrorKind, Read, Seek};
+use std::ops::Range;
 
 use exr::compression::Compression;
 use exr::error::Error;
@@ -59,7 +60,7 @@ impl Header {
         let window = layer.shared_attributes.display_window;
         let side = |side: usize| u32::try_from(side).map_err(|_| "the display window is too large".to_owned());
         // A block is held as the file has it, decompressed, and as samples.
-        let block = meta.headers.iter().map(|h| h.max_block_byte_size() as u64).max().unwrap_or(0);
+        let block = meta.headers.iter().map(block).max().unwrap_or(0);
         let blocks: u64 = meta.headers.iter().map(|h| h.chunk_count as u64).sum();
         let tables = if meta.headers.iter().any(|h| h.compression == Compression::PIZ) { PIZ } else { 0 };
         let workspace = block.saturating_mul(4).saturating_add(blocks.saturating_mul(BLOCK)).saturating_add(tables);
@@ -68,6 +69,12 @@ impl Header {
         let masked = has(layer, &format!("{prefix}A")) || !fills_window(layer, offset);
         Ok(Header { size, workspace, masked, prefix, grey, offset })
     }
+}
+
+/// The most bytes of a block of a layer, whatever sides its tiles have.
+fn block(layer: &Layer) -> u64 {
+    let Vec2(width, height) = layer.max_block_pixel_size();
+    (width as u64).saturating_mul(height as u64).saturating_mul(layer.channels.bytes_per_pixel as u64)
 }
 
 /// Whether a layer at this position in its display window fills it.
@@ -139,12 +146,12 @@ pub(super) fn decode<const CHANNELS: usize>(file: impl BufRead + Seek, header: &
         let (x, y) = (within(at.x(), offset.x(), width)?, within(at.y(), offset.y(), height)?);
         Some(CHANNELS * (y * width as usize + x))
     };
-    // The decoder reads as many blocks as there must be, and does not mind which.
+    // The decoder reads as many blocks as there must be, and does not mind which. A layer may be far larger than the window.
     let unwritten = move |layer: Vec2<usize>| {
         let mut pixels = vec![0f32; CHANNELS * width as usize * height as usize];
-        for y in 0..layer.height() {
-            for first in (0..layer.width()).filter_map(|x| place(Vec2(x, y))) {
-                pixels[first] = UNWRITTEN;
+        for y in overlap(offset.y(), layer.height(), height) {
+            for x in overlap(offset.x(), layer.width(), width) {
+                pixels[CHANNELS * (y * width as usize + x)] = UNWRITTEN;
             }
         }
         pixels
@@ -177,6 +184,13 @@ pub(super) fn decode<const CHANNELS: usize>(file: impl BufRead + Seek, header: &
         return Err("the EXR lacks some of its blocks".to_owned());
     }
     Ok(pixels)
+}
+
+/// What a layer covers along a side of the display window.
+fn overlap(offset: i32, layer: usize, side: u32) -> Range<usize> {
+    let inside = |at: i64| at.clamp(0, side.into()) as usize;
+    let (first, layer) = (i64::from(offset), i64::try_from(layer).unwrap_or(i64::MAX));
+    inside(first)..inside(first.saturating_add(layer))
 }
 
 /// The position of a layer's sample along a side of the display window; `None` outside.

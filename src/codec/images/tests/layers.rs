@@ -74,3 +74,25 @@ fn what_is_outside_of_the_data_window_is_no_observation() {
         assert_eq!(read.pixel(at).is_some(), inside, "pixel {at}");
     }
 }
+
+/// The file with other bounds of its data window, first to last, x before y.
+fn with_data_window(mut file: Vec<u8>, bounds: [i32; 4]) -> Vec<u8> {
+    let name = b"dataWindow\0box2i\0\x10\0\0\0";
+    let at = file.windows(name.len()).position(|w| w == name).unwrap() + name.len();
+    file.splice(at..at + 16, bounds.into_iter().flat_map(i32::to_le_bytes));
+    file
+}
+
+/// Samples of a layer that fall outside of the display window must cost nothing: a header may claim 2^58 of them.
+#[test]
+fn a_data_window_far_larger_than_the_display_window_ends_at_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.exr");
+    write(&path, &["R", "G", "B"]);
+    let whole = std::fs::read(&path).unwrap();
+    const FAR: i32 = (1 << 29) - 1;
+    for bounds in [[-FAR, -FAR, FAR, FAR], [0, 0, 1 << 20, 1 << 17], [-FAR, 0, 5, 3], [0, -(1 << 18), 5, 1 << 18]] {
+        std::fs::write(&path, with_data_window(whole.clone(), bounds)).unwrap();
+        read(&path).unwrap_err();
+    }
+}
