@@ -68,6 +68,7 @@ pub(super) fn words(cause: &Cause) -> String {
                 FrameInput::Mask => "mask",
                 FrameInput::Pose => "pose",
                 FrameInput::Gain => "gain",
+                FrameInput::Light => "light",
             };
             match change {
                 FrameChange::Came => format!("{frame} has a {input} now"),

@@ -1,5 +1,7 @@
 //! What the light is found from, prepared, and the answers to what is asked of it.
 
+use std::collections::BTreeMap;
+
 use glam::Vec3;
 
 use super::comparison::Comparison;
@@ -9,7 +11,7 @@ use super::found::{Decision, Found, Spread};
 use super::gains::Gains;
 use super::observed::Sighting;
 use super::pairs::{Pair, pairs};
-use super::patches::{POINTS, Patches, Scene};
+use super::patches::{POINTS, Patch, Patches, Scene};
 use super::ratio::{Ratio, best};
 use super::scale;
 use super::search::{Candidate, search};
@@ -29,6 +31,9 @@ const FEWEST_PAIRS: usize = 200;
 
 /// The least share of the sky of patches that tell the ratio.
 const OPEN: f32 = 0.3;
+
+/// The least share of the light of a white surface that faces it, by which albedos are told.
+const BRIGHT: f32 = 0.3;
 
 /// Rounds in which white and the ratio are found in turn.
 const ROUNDS: usize = 3;
@@ -117,6 +122,21 @@ impl<'a> Clues<'a> {
             comparison.fit_scales(first, ratio, &self.pairs);
         }
         lit.iter().map(|lit| best(&comparison, lit, &self.pairs).0).collect()
+    }
+
+    /// The albedo of the triangles that much light reaches, by their positions in the sample, under a sun, if any, and a sky and
+    /// surfaces of these radiances. `white` is the radiance of a white surface that faces the sun, or the sky where there is none.
+    pub fn albedos(&self, sun: Option<Vec3>, white: f32, sky: [f32; 3], bounce: [f32; 3]) -> BTreeMap<u32, [f32; 3]> {
+        let plain = self.comparison(&Settings { white: Some(f64::from(white)) });
+        let comparison = if bounce == [0.0; 3] { plain } else { plain.with_bounce(bounce) };
+        let none = || vec![0.0; self.patches.all.len()];
+        let lit = sun.map_or_else(none, |sun| self.patches.sun(sun, POINTS));
+        let ratio = sky.map(|sky| sky / white);
+        let bright = |patch: &Patch, lit: f32| if sun.is_some() { lit > BRIGHT } else { patch.sky > BRIGHT };
+        let all = self.patches.all.iter().zip(&lit).enumerate();
+        all.filter(|(_, (patch, lit))| bright(patch, **lit))
+            .map(|(at, (patch, lit))| (patch.sample, comparison.albedo(at, *lit, ratio)))
+            .collect()
     }
 
     fn comparison(&self, settings: &Settings) -> Comparison<'_> {

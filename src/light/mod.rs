@@ -1,5 +1,6 @@
 //! Which exposure and which light were the photographs taken in? Found from what frames saw of a sample of triangles.
 //!
+//! - [`sittings()`]: which frames were taken in one light.
 //! - [`gains()`]: one factor a frame, from triangles that several frames see.
 //! - [`find`]: the sun's direction and the ratio of sky to sun, from pairs of triangles that are alike but for their light:
 //!   under the right light their albedos agree. The scale is a convention, since a brighter sun and whiter walls look the same.
@@ -26,6 +27,7 @@ mod rows;
 mod sample;
 mod scale;
 mod search;
+mod sittings;
 mod spread;
 #[cfg(test)]
 mod tests;
@@ -38,3 +40,4 @@ pub use observed::Sighting;
 pub(crate) use observed::luma;
 pub use patches::Scene;
 pub use sample::{TRIANGLES, sample};
+pub(crate) use sittings::sittings;

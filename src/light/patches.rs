@@ -37,6 +37,8 @@ const DARKEST: f32 = 0.003;
 /// One sampled triangle.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Patch {
+    /// The triangle's position in the sample.
+    pub sample: u32,
     /// The unit normal.
     pub normal: Vec3A,
     /// The centroid.
@@ -76,14 +78,15 @@ impl<'a> Patches<'a> {
         let groups: Vec<&[&Sighting]> = order.chunk_by(|a, b| a.sample == b.sample).collect();
         let patch = |seen: &&[&Sighting]| {
             let radiance = radiance(seen, gains)?;
-            let t = *sample.get(seen.first()?.sample as usize)?;
+            let at = seen.first()?.sample;
+            let t = *sample.get(at as usize)?;
             let corners = scene.mesh.corners(t);
             let normal = scene.mesh.normal(t)?;
             let [a, b, c] = corners;
             let points = WEIGHTS.map(|w| a * w.x + b * w.y + c * w.z + normal * offset);
             let area = 0.5 * (b - a).cross(c - a).length();
             let sky = shares.sky(scene.mesh, scene.bvh, scene.up, t);
-            Some(Patch { normal: normal.into(), middle: (a + b + c) / 3.0, points, area, sky, radiance })
+            Some(Patch { sample: at, normal: normal.into(), middle: (a + b + c) / 3.0, points, area, sky, radiance })
         };
         let mut all: Vec<Patch> = groups.par_iter().filter_map(patch).collect();
         let low = all.iter().fold(Vec3::INFINITY, |low, p| low.min(p.middle));

@@ -61,6 +61,8 @@ pub enum FrameInput {
     Pose,
     /// How the frame is exposed against the others, as it was found.
     Gain,
+    /// The light that it was taken in, where that is not that of most frames.
+    Light,
 }
 
 /// How an input of a frame changed.

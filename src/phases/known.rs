@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::cast::{FrameGroups, Readable, pixels};
 use super::facts::{Facts, Trial};
 use super::infer::{TriedEstimator, load_estimator};
-use super::light::{FrozenLight, Occasion, light_of};
+use super::light::{FrozenLight, Occasion, lights_of};
 use super::scene::{LoadedScene, Meshes};
 use crate::base::{Error, Result, memory};
 use crate::config::Choice;
@@ -81,9 +81,9 @@ impl<'a> Known<'a> {
         Ok(self.surveyed.insert(surveyed))
     }
 
-    /// The light, as far as it is known by now.
-    pub(crate) fn light(&self) -> Option<SunAndSky> {
-        light_of(self.pipeline, self.surveyed.as_ref().map(|surveyed| &surveyed.light))
+    /// The lights, as far as they are known by now, that of most frames first.
+    pub(crate) fn lights(&self) -> Vec<SunAndSky> {
+        lights_of(self.pipeline, self.surveyed.as_ref().map(|surveyed| &surveyed.light))
     }
 
     /// Loads the estimator that is asked for with the light as it is, if another was loaded before the light was found.
@@ -91,7 +91,7 @@ impl<'a> Known<'a> {
     /// # Errors
     /// A model or a library that cannot be used.
     pub(crate) fn settle_estimator(&mut self) -> Result<()> {
-        self.settle_for(self.light().is_some())
+        self.settle_for(!self.lights().is_empty())
     }
 
     fn settle_for(&mut self, lit: bool) -> Result<()> {
@@ -108,7 +108,7 @@ impl<'a> Known<'a> {
     /// # Errors
     /// There is none, and what to do.
     pub(crate) fn needs_light(&self) -> Result<()> {
-        if self.light().is_some() || !self.estimator.contract().light.wanted() {
+        if !self.lights().is_empty() || !self.estimator.contract().light.wanted() {
             return Ok(());
         }
         Err(Error::invalid(format!(
@@ -141,7 +141,7 @@ impl<'a> Known<'a> {
             Occasion::of(pipeline, &scene.frames)?;
         }
         if light.state().light.is_some() {
-            self.settle_for(light_of(self.pipeline, Some(&light)).is_some())?;
+            self.settle_for(!lights_of(self.pipeline, Some(&light)).is_empty())?;
         }
         let groups = match look {
             Look::Run => FrameGroups::of_run(pipeline, store, ledger, &scene, &readable, &light)?,

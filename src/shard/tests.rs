@@ -16,8 +16,11 @@ type Triangles = Vec<(u32, u32, Vec<(Bin, BinSum)>)>;
 
 const SHARD: u32 = ShardId::TRIANGLES;
 
-/// Bins of a map.
-const FULL: Bin = 10_800;
+/// Cells of a triangle.
+const FULL: Bin = 32_400;
+
+/// Those of its first light.
+const FIRST: Bin = 10_800;
 
 fn random_sum(rng: &mut Pcg32) -> BinSum {
     let count = if rng.random_bool(0.5) { 1 } else { rng.random_range(1..2000) };
@@ -30,7 +33,7 @@ fn random_triangles(rng: &mut Pcg32, below: u32, n: usize) -> Triangles {
     ids.sort_unstable();
     ids.dedup();
     let with_bins = ids.into_iter().map(|id| {
-        let mut bins: Vec<Bin> = (0..rng.random_range(1..20)).map(|_| rng.random_range(0..FULL)).collect();
+        let mut bins: Vec<Bin> = (0..rng.random_range(1..20)).map(|_| rng.random_range(0..FIRST)).collect();
         bins.sort_unstable();
         bins.dedup();
         (id, rng.random_range(1..9), bins.into_iter().map(|b| (b, random_sum(rng))).collect())
@@ -251,7 +254,7 @@ fn a_frame_in_parts_counts_once_however_many_segments_it_is_written_to() {
 #[test]
 fn a_shard_in_slices_is_the_shard() {
     let mut rng = Pcg32::seed_from_u64(7);
-    let files: Vec<Vec<u8>> = (0..6).map(|_| write(&random_triangles(&mut rng, 2 * SHARD, 2000))).collect();
+    let files: Vec<Vec<u8>> = (0..6).map(|_| write(&random_triangles(&mut rng, 2 * SHARD, 4000))).collect();
     let segments: Vec<_> = files.iter().map(|bytes| open(bytes).unwrap()).collect();
     let whole = collect_shard(&segments, ShardId(1)).unwrap();
     let (need, least) = (collect_need(&segments, ShardId(1)), collect_least(&segments, ShardId(1)));
@@ -282,7 +285,7 @@ fn a_segment_keeps_its_bytes() {
     for _ in 0..3 {
         let mut records = Accumulator::new(1 << 30);
         for _ in 0..2000 {
-            let (t, bin) = (rng.random_range(0..2 * SHARD), rng.random_range(0..FULL));
+            let (t, bin) = (rng.random_range(0..2 * SHARD), rng.random_range(0..FIRST));
             records.observe(TriangleId(t), bin, BinSum::one([rng.random(), 0.5, 2.0], rng.random_bool(0.1)));
         }
         group.add(records.finish(), false);

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::decode::{Contents, Decoded};
 use super::sunlit::{Sunlit, TileReach};
 use crate::base::Result;
+use crate::base::convert::to_u8;
 use crate::base::ids::{FrameId, TriangleId};
 use crate::config::{Effect, Key, Keys, Section, Settings, Value};
 use crate::flow::{Map, Outlet, Skipped};
@@ -103,10 +104,19 @@ pub(crate) struct Cast<'a> {
     pub downscale: u32,
     /// A frame's records are handed on whenever they take this many bytes. The result does not depend on it.
     pub piece: u64,
-    /// What the radiance of each frame is divided by.
-    pub gains: &'a [f32],
-    /// The sun, where one is known: what is seen in its light is kept apart from what is seen in the shade.
-    pub sunlit: Option<&'a Sunlit>,
+    /// How each frame was taken.
+    pub conditions: &'a [Conditions],
+    /// The sun of each light, where one is known: what is seen in it is kept apart from what is seen in the shade.
+    pub suns: &'a [Option<Sunlit>],
+}
+
+/// How a frame was taken.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Conditions {
+    /// What its radiance is divided by.
+    pub gain: f32,
+    /// The position of the light that it was taken in.
+    pub light: usize,
 }
 
 /// A worker's buffers, kept from frame to frame.
@@ -131,25 +141,26 @@ pub(crate) fn tile_bytes(tile: u32) -> u64 {
 }
 
 impl Cast<'_> {
-    /// Casts the pixels of tiles of a frame with this gain. Hands records to `piece` whenever they take too much memory; gives
+    /// Casts the pixels of tiles of a frame that was taken so. Hands records to `piece` whenever they take too much memory; gives
     /// the rest of the records, and counts what was seen.
     pub(crate) fn rows(
         &self,
         view: &View,
         tiles: impl Iterator<Item = Tile>,
         image: &LinearImage,
-        gain: f32,
+        Conditions { gain, light }: Conditions,
         scratch: &mut Scratch,
         mut piece: impl FnMut(FrameRecords) -> Result<()>,
     ) -> Result<(FrameRecords, Counts)> {
         let Scratch { rays, reach, rows } = scratch;
         let mut counts = Counts::default();
+        let sunlit = self.suns.get(light).and_then(Option::as_ref);
         // Neighbouring pixels mostly see one triangle, whose axes are worked out once.
         let mut last: Option<(TriangleId, LobeFrame)> = None;
         for tile in tiles {
-            let cast = if self.sunlit.is_some() { tile.with_border(view.size()) } else { tile };
+            let cast = if sunlit.is_some() { tile.with_border(view.size()) } else { tile };
             let hits = rays.cast(view, self.bvh, cast);
-            if let Some(sunlit) = self.sunlit {
+            if let Some(sunlit) = sunlit {
                 let size = UVec2::new(cast.width, cast.height);
                 reach.look(sunlit, (self.mesh, self.bvh), view.centre(), size, hits.clone());
             }
@@ -164,7 +175,7 @@ impl Cast<'_> {
                 if towards.z > 0.0 {
                     rows.observe(
                         triangle,
-                        cell(self.sunlit.map_or(Reach::Untold, |_| reach.at(at)), bin_of(towards)),
+                        cell(to_u8(light), sunlit.map_or(Reach::Untold, |_| reach.at(at)), bin_of(towards)),
                         BinSum::one(pixel.rgb.map(|value| value / gain), pixel.clipped),
                     );
                     counts.observations += 1;
@@ -197,8 +208,8 @@ impl Map for Cast<'_> {
         };
         let posed = &self.frames[frame.index()];
         let view = View::new(posed.camera.down_scaled(self.downscale), &posed.pose, self.mesh);
-        let gain = self.gains[frame.index()];
-        let (rows, mut counts) = self.rows(&view, view.tiles(self.tile), &image, gain, scratch, |piece| {
+        let conditions = self.conditions[frame.index()];
+        let (rows, mut counts) = self.rows(&view, view.tiles(self.tile), &image, conditions, scratch, |piece| {
             out.count_bytes(piece.bytes());
             out.send(Seen { rows: Ok(piece), last: None, counts: Counts::default() })
         })?;

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use glam::Vec3;
 
 use super::light;
-use super::scene_light::{Reaching, SceneLight};
+use super::scene_light::{AllReaching, SceneLights};
 use super::shards::Inferred;
 use crate::base::Result;
 use crate::config::{Choice, Effect, Key, Keys, Leads, Problem, Section, Settings, Value};
@@ -204,8 +204,8 @@ impl Config {
 pub(crate) struct Infer<'a> {
     /// The estimator.
     pub estimator: &'a dyn Estimator,
-    /// The light over the scene, for an estimator that is told it.
-    pub light: Option<SceneLight<'a>>,
+    /// The lights over the scene, for an estimator that is told them.
+    pub lights: Option<SceneLights<'a>>,
     /// Filled bins that a triangle needs for a material of its own.
     pub min_bins: usize,
     /// Maps that the estimator is given at once. The more maps, the fuller its micro-batches.
@@ -248,14 +248,15 @@ impl Map for Infer<'_> {
         for batch in asked.chunks(self.batch.max(1)) {
             let whole: Vec<&SparseMap> = batch.iter().map(|(_, apart)| &apart.whole).collect();
             scratch.answers.resize(whole.len(), Estimate::default());
-            let reaching = |light: &SceneLight<'_>| -> Vec<Reaching> {
-                batch.iter().map(|(slot, _)| light.reaching(rows[*slot].triangle)).collect()
+            let reaching = |lights: &SceneLights<'_>| -> Vec<AllReaching> {
+                batch.iter().map(|(slot, _)| lights.reaching(rows[*slot].triangle)).collect()
             };
-            let reaching = self.light.as_ref().map(reaching);
+            let reaching = self.lights.as_ref().map(reaching);
             let both = || reaching.iter().flatten().zip(batch);
             let parts: Vec<Vec<_>> = both().map(|(reaching, (_, apart))| reaching.parts(apart).collect()).collect();
-            let lights = || both().zip(&parts).map(|((reaching, _), parts)| MapLight { whole: reaching.light, parts });
-            let lights: Option<Vec<MapLight<'_>>> = self.light.as_ref().map(|_| lights().collect());
+            let each = both().zip(&parts);
+            let lights = each.map(|((reaching, (_, apart)), parts)| MapLight { whole: reaching.whole(apart), parts });
+            let lights: Option<Vec<MapLight<'_>>> = self.lights.as_ref().map(|_| lights.collect());
             scratch.session.estimate(&whole, lights.as_deref(), &mut scratch.answers)?;
             for ((slot, _), answer) in batch.iter().zip(&scratch.answers) {
                 let Row { material, evidence, .. } = &mut rows[*slot];
@@ -263,7 +264,7 @@ impl Map for Infer<'_> {
             }
             for ((slot, apart), reaching) in batch.iter().zip(reaching.iter().flatten()) {
                 let Row { material, evidence, .. } = &mut rows[*slot];
-                evidence.lit = reaching.lit;
+                evidence.lit = reaching.lit();
                 widen(&mut evidence.deviation, material, reaching.doubt(apart));
             }
         }

@@ -4,7 +4,7 @@ use glam::{DVec3, Vec3};
 
 use crate::base::ids::TriangleId;
 use crate::scene::Mesh;
-use crate::scene::cells::Apart;
+use crate::scene::cells::{Apart, LIGHTS, Part, Reach};
 use crate::scene::light::{LocalLight, Sun};
 use crate::scene::reflectance::SparseMap;
 use crate::trace::visibility::SKY_RAYS;
@@ -52,24 +52,93 @@ pub(crate) struct Reaching {
 }
 
 impl Reaching {
-    /// The observations of a triangle apart, each with its light; none where nobody told them apart.
-    pub(crate) fn parts<'m>(&self, apart: &'m Apart) -> impl Iterator<Item = (&'m SparseMap, LocalLight)> {
-        let (sun, shade) = (LocalLight { sun: self.sun, ..self.light }, LocalLight { sun: Vec3::ZERO, ..self.light });
-        [(&apart.sun, sun), (&apart.shade, shade)].into_iter().filter(|(map, _)| !map.bins.is_empty())
-    }
-
-    /// How far the light may be off that a material is made of, if it is made of these observations apart.
-    pub(crate) fn doubt(&self, apart: &Apart) -> Vec3 {
-        match (apart.sun.bins.is_empty(), apart.shade.bins.is_empty()) {
-            (true, true) => self.doubt_of(if self.lit.is_nan() { 0.0 } else { self.lit }),
-            (false, _) => self.doubt_of(1.0),
-            (true, false) => self.doubt_of(0.0),
+    /// The light of observations that this much of it reached.
+    fn of(&self, reach: Reach) -> LocalLight {
+        match reach {
+            Reach::Untold => self.light,
+            Reach::Sun => LocalLight { sun: self.sun, ..self.light },
+            Reach::Shade => LocalLight { sun: Vec3::ZERO, ..self.light },
         }
     }
 
-    /// The doubt, if the sun reaches this share of the triangle.
-    fn doubt_of(&self, lit: f32) -> Vec3 {
+    /// How far the light of such observations may be off.
+    fn doubt(&self, reach: Reach) -> Vec3 {
+        let lit = match reach {
+            Reach::Untold if self.lit.is_nan() => 0.0,
+            Reach::Untold => self.lit,
+            Reach::Sun => 1.0,
+            Reach::Shade => 0.0,
+        };
         doubt(&LocalLight { sun: self.sun * lit, ..self.light }, lit, self.doubts)
+    }
+}
+
+/// Every light over a scene that frames were taken in, as far as it reaches one triangle.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct AllReaching(Vec<Reaching>);
+
+impl AllReaching {
+    /// The light of all that was seen of the triangle together: that of the most observations.
+    pub(crate) fn whole(&self, apart: &Apart) -> LocalLight {
+        let mut counts = [0u64; LIGHTS];
+        apart.parts.iter().for_each(|part| counts[part.light] += observations(&part.map));
+        let light = (0..self.0.len()).rev().max_by_key(|light| counts[*light]).unwrap_or(0);
+        self.0[light].light
+    }
+
+    /// The observations apart, each with its light. Where nobody can tell how much of a sun reached them they count only if
+    /// nothing better was seen.
+    pub(crate) fn parts<'m>(&self, apart: &'m Apart) -> impl Iterator<Item = (&'m SparseMap, LocalLight)> {
+        self.told(apart).map(|part| (&part.map, self.of(part).of(part.reach)))
+    }
+
+    /// What reached a part.
+    fn of(&self, part: &Part) -> &Reaching {
+        &self.0[part.light.min(self.0.len() - 1)]
+    }
+
+    fn told<'m>(&self, apart: &'m Apart) -> impl Iterator<Item = &'m Part> {
+        let told = |part: &&Part| part.reach != Reach::Untold || self.of(part).sun == Vec3::ZERO;
+        let any = apart.parts.iter().any(|part| told(&part));
+        apart.parts.iter().filter(move |part| !any || told(part))
+    }
+
+    /// The share of the triangle that a sun reaches, of the sun that reaches most of it; no number where none shines.
+    pub(crate) fn lit(&self) -> f32 {
+        self.0.iter().map(|reaching| reaching.lit).fold(f32::NAN, f32::max)
+    }
+
+    /// How far the light may be off that a material is made of, if it is made of these observations.
+    pub(crate) fn doubt(&self, apart: &Apart) -> Vec3 {
+        // What is seen in the sun outweighs what is seen in its shade.
+        let lit = |light: usize| self.told(apart).any(|part| part.light == light && part.reach == Reach::Sun);
+        let (mut sum, mut count) = (Vec3::ZERO, 0.0);
+        for part in self.told(apart).filter(|part| part.reach != Reach::Shade || !lit(part.light)) {
+            let observations = observations(&part.map) as f32;
+            sum += self.of(part).doubt(part.reach) * observations;
+            count += observations;
+        }
+        if count > 0.0 { sum / count } else { self.0[0].doubt(Reach::Untold) }
+    }
+}
+
+fn observations(map: &SparseMap) -> u64 {
+    map.bins.iter().map(|(_, sum)| u64::from(sum.count)).sum()
+}
+
+/// The lights over a scene that its frames were taken in, the first of them that of most.
+pub(crate) struct SceneLights<'a>(Vec<SceneLight<'a>>);
+
+impl<'a> SceneLights<'a> {
+    /// Lights over a mesh; `None` without any. The sky is the hemisphere about `up`.
+    pub(crate) fn new(lights: &[SunAndSky], mesh: &'a Mesh, bvh: &'a Bvh, up: [f64; 3]) -> Option<Self> {
+        let over = |light: &SunAndSky| SceneLight::new(*light, mesh, bvh, up);
+        (!lights.is_empty()).then(|| SceneLights(lights.iter().map(over).collect()))
+    }
+
+    /// What of each reaches a triangle.
+    pub(crate) fn reaching(&self, t: TriangleId) -> AllReaching {
+        AllReaching(self.0.iter().map(|light| light.reaching(t)).collect())
     }
 }
 
@@ -141,6 +210,8 @@ fn doubt(light: &LocalLight, lit: f32, doubts: Doubts) -> Vec3 {
 mod tests {
     use super::*;
     use crate::config::defaults;
+    use crate::scene::cells::cell;
+    use crate::scene::reflectance::BinSum;
     use crate::stages::light::{Config, Mode};
 
     #[test]
@@ -175,6 +246,46 @@ mod tests {
         near(doubt(&light, 0.5, Doubts::default()), [0.13, 0.173_333, 0.26]);
         let dark = LocalLight { sun: Vec3::ZERO, ..light };
         near(doubt(&dark, 0.0, Doubts::default()), [0.0; 3]);
+    }
+
+    #[test]
+    fn observations_of_several_lights_have_each_its_own() {
+        let light =
+            |sun: f32, sky: f32| LocalLight { direction: Vec3::Z, sun: Vec3::splat(sun), sky: Vec3::splat(sky) };
+        let reaching = |sun: f32, sky: f32, lit: f32, ratio: f32| Reaching {
+            light: light(sun * lit, sky),
+            sun: Vec3::splat(sun),
+            lit: if sun > 0.0 { lit } else { f32::NAN },
+            doubts: Doubts { sun: 0.0, ratio: Vec3::splat(ratio) },
+        };
+        let lights =
+            AllReaching(vec![reaching(1.0, 0.2, 0.0, 0.1), reaching(2.0, 0.3, 1.0, 0.2), reaching(0.0, 0.5, 0.0, 0.3)]);
+        assert_eq!(lights.lit(), 1.0);
+        let apart = |cells: &[(u8, Reach, u16)]| {
+            let mut cells: Vec<_> =
+                cells.iter().map(|(l, reach, bin)| (cell(*l, *reach, *bin), BinSum::one([0.5; 3], false))).collect();
+            cells.sort_by_key(|(cell, _)| *cell);
+            Apart::of(cells)
+        };
+        let told = |apart: &Apart| -> Vec<LocalLight> { lights.parts(apart).map(|(_, light)| light).collect() };
+        // Pixels at edges count for nothing beside better ones; those of a sky alone are told.
+        let all = apart(&[
+            (0, Reach::Untold, 1),
+            (0, Reach::Shade, 2),
+            (1, Reach::Untold, 3),
+            (1, Reach::Sun, 4),
+            (1, Reach::Sun, 5),
+            (2, Reach::Untold, 6),
+        ]);
+        assert_eq!(told(&all), [light(0.0, 0.2), light(2.0, 0.3), light(0.0, 0.5)]);
+        assert_eq!(lights.whole(&all), light(2.0, 0.3), "that of most");
+        // By observations: 0.1 of the sky alone, twice 0.2 x 0.3 / 2.3, and 0.3.
+        let doubt = lights.doubt(&all);
+        assert!((doubt.x - (0.1 + 2.0 * 0.06 / 2.3 + 0.3) / 4.0).abs() < 1e-5, "{doubt}");
+        // Where nothing better was seen they count, in the mean light of the triangle.
+        let edges = apart(&[(0, Reach::Untold, 1), (1, Reach::Untold, 3)]);
+        assert_eq!(told(&edges), [light(0.0, 0.2), light(2.0, 0.3)]);
+        assert_eq!((told(&apart(&[(0, Reach::Untold, 1)])), lights.whole(&edges)), (vec![], light(0.0, 0.2)));
     }
 
     #[test]

@@ -239,7 +239,7 @@ mod tests {
         let segment = |frame: u32| {
             let mut rows = Accumulator::new(1 << 30);
             for t in (0..3 * ShardId::TRIANGLES).filter(|t| (t + frame) % 3 < 2) {
-                (0..t % 5 + 1)
+                (0..t % 25 + 1)
                     .for_each(|k| rows.observe(TriangleId(t), (k * 7 + frame) as u16, BinSum::one([0.5; 3], false)));
             }
             let mut group = GroupRecords::default();

@@ -188,7 +188,7 @@ pub(super) fn decode<const CHANNELS: usize>(file: impl BufRead + Seek, header: &
 
 /// What a layer covers along a side of the display window.
 fn overlap(offset: i32, layer: usize, side: u32) -> Range<usize> {
-    let inside = |at: i64| at.clamp(0, side.into()) as usize;
+    let inside = |at: i64| usize::try_from(at.clamp(0, side.into())).unwrap_or(0);
     let (first, layer) = (i64::from(offset), i64::try_from(layer).unwrap_or(i64::MAX));
     inside(first)..inside(first.saturating_add(layer))
 }

@@ -3,4 +3,5 @@
 mod gains;
 mod light;
 mod sample;
+mod sittings;
 mod town;

@@ -5,6 +5,7 @@
 use std::collections::BTreeMap;
 use std::sync::{Arc, OnceLock};
 
+use glam::Vec3;
 use rayon::prelude::*;
 
 use super::frozen::{Frozen, Names};
@@ -16,13 +17,14 @@ use crate::base::{PhaseName, Result};
 use crate::config::Effect;
 use crate::disk::{self, Damage, Ledger, Recipe, Store, UnitName};
 use crate::phases::cause::{FORMAT, FrameInput};
-use crate::phases::light::{FrozenLight, sun_of};
+use crate::phases::light::{FrozenLight, suns_of};
 use crate::phases::scene::LoadedScene;
 use crate::phases::units::Unit;
 use crate::pipeline::Pipeline;
 use crate::scene::frame::Frame;
 use crate::shard::Segment;
 use crate::shard::format::VERSION;
+use crate::stages::cast::Conditions;
 use crate::stages::decode::{Content, Contents};
 use crate::stages::gather::{GroupFrames, SEGMENT};
 use crate::stages::look;
@@ -46,8 +48,8 @@ pub(crate) struct FrameGroups {
     groups: Vec<Group>,
     /// As units of looking.
     looks: Vec<Group>,
-    /// The logarithm of each frame's gain, where it is known for the image that is there.
-    gains: Vec<Option<f32>>,
+    /// How each frame was taken, as far as it is known for the image that is there.
+    taken: Vec<TakenIn>,
 }
 
 impl FrameGroups {
@@ -91,8 +93,8 @@ impl FrameGroups {
     ) -> Result<Self> {
         let planned = list.groups(&scene.frames, pipeline.gather.group);
         let frames = Ingredients::of(&scene.frames, readable);
-        let (groups, looks, gains) = Default::default();
-        let mut all = FrameGroups { list, planned, frames, groups, looks, gains };
+        let (groups, looks, taken) = Default::default();
+        let mut all = FrameGroups { list, planned, frames, groups, looks, taken };
         all.look(pipeline, ledger, scene, light)?;
         all.cast(pipeline, ledger, scene, light)?;
         Ok(all)
@@ -108,9 +110,10 @@ impl FrameGroups {
         &self.looks
     }
 
-    /// What each frame's radiance is divided by.
-    pub(crate) fn gains(&self) -> Vec<f32> {
-        self.gains.iter().map(|log| log.map_or(1.0, f32::exp)).collect()
+    /// How each frame was taken.
+    pub(crate) fn conditions(&self) -> Vec<Conditions> {
+        let of = |taken: &TakenIn| Conditions { gain: taken.gain.map_or(1.0, f32::exp), light: taken.light };
+        self.taken.iter().map(of).collect()
     }
 
     /// Gives the units of looking the recipes that they have now.
@@ -124,12 +127,12 @@ impl FrameGroups {
             .with(FORMAT, look::VERSION)
             .with(PhaseName::Look.as_str(), light.sample_key())
             .with_all(pipeline.ingredients(Effect::Cast));
-        let common = Common { recipe, gain: &|_| None };
+        let common = Common { recipe, taken: &|_| TakenIn::default() };
         self.looks = self.frames.groups(pipeline, ledger, scene, &self.planned, &common)?;
         Ok(())
     }
 
-    /// Gives the units of casting the recipes that they have now, with the gains and the sun that are known now.
+    /// Gives the units of casting the recipes that they have now, with the gains and the suns that are known now.
     ///
     /// # Errors
     /// A unit record that cannot be read.
@@ -141,21 +144,23 @@ impl FrameGroups {
         light: &FrozenLight,
     ) -> Result<()> {
         let sun = if pipeline.estimates_light() { PhaseName::Light.as_str() } else { "light.sun" };
+        let suns = in_recipe(&suns_of(pipeline, light));
         let recipe = Recipe::new(PhaseName::Cast, "")
             .with("scene.mesh", scene.mesh_key)
             .with(FORMAT, VERSION)
-            .with_or_without(sun, sun_of(pipeline, light))
+            .with_or_without(sun, suns)
             .with_all(pipeline.ingredients(Effect::Cast));
-        self.gains = vec![None; scene.frames.len()];
+        self.taken = vec![TakenIn::default(); scene.frames.len()];
         for group in &self.looks {
             for id in &group.frames {
                 let name = &scene.frames[id.index()].name;
                 let gain = light.state().gains.get(name).filter(|gain| gain.image == image_in(&group.recipe, name));
-                self.gains[id.index()] = gain.map(|gain| gain.log);
+                let light = light.state().light_of(name);
+                self.taken[id.index()] = TakenIn { gain: gain.map(|gain| gain.log), light };
             }
         }
-        let gains = &self.gains;
-        let common = Common { recipe, gain: &|id| gains[id.index()] };
+        let taken = &self.taken;
+        let common = Common { recipe, taken: &|id| taken[id.index()] };
         self.groups = self.frames.groups(pipeline, ledger, scene, &self.planned, &common)?;
         Ok(())
     }
@@ -209,12 +214,27 @@ impl Group {
     }
 }
 
+/// How a frame was taken, as far as it is known.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+struct TakenIn {
+    /// The logarithm of its gain.
+    gain: Option<f32>,
+    /// The position of its light.
+    light: usize,
+}
+
+/// What stands for the suns in a recipe: nothing where none shines.
+fn in_recipe(suns: &[Option<Vec3>]) -> Option<String> {
+    let sun = |sun: &Option<Vec3>| sun.map_or_else(|| "none".to_owned(), |sun| sun.to_string());
+    suns.iter().any(Option::is_some).then(|| suns.iter().map(sun).collect::<Vec<_>>().join("; "))
+}
+
 /// What the recipes of all groups of a phase have in common.
 struct Common<'a> {
     /// The recipe of a group without frames and number.
     recipe: Recipe,
-    /// The logarithm of a frame's gain, where the group's unit depends on it.
-    gain: &'a dyn Fn(FrameId) -> Option<f32>,
+    /// How a frame was taken, where the group's unit depends on it.
+    taken: &'a dyn Fn(FrameId) -> TakenIn,
 }
 
 impl Common<'_> {
@@ -228,7 +248,10 @@ impl Common<'_> {
         let start = Recipe::new(self.phase(), number).with_all(ingredients);
         frames.iter().fold(start, |recipe, &id| {
             let frame = &all[id.index()];
-            with_pose(recipe, frame).with_or_without(ingredient(FrameInput::Gain, &frame.name), (self.gain)(id))
+            let TakenIn { gain, light } = (self.taken)(id);
+            with_pose(recipe, frame)
+                .with_or_without(ingredient(FrameInput::Gain, &frame.name), gain)
+                .with_or_without(ingredient(FrameInput::Light, &frame.name), (light > 0).then_some(light))
         })
     }
 }

@@ -1,4 +1,4 @@
-//! The ingredients that a frame is of its group's recipe: image, mask, pose and gain.
+//! The ingredients that a frame is of its group's recipe: image, mask, pose, gain and light.
 
 use std::path::Path;
 
@@ -14,11 +14,12 @@ use crate::scene::frame::Frame;
 use crate::stages::decode::{Content, Contents};
 
 /// Each input of a frame, and how the names of its ingredients begin.
-pub(super) const INPUTS: [(FrameInput, &str); 4] = [
+pub(super) const INPUTS: [(FrameInput, &str); 5] = [
     (FrameInput::Image, "image "),
     (FrameInput::Mask, "mask "),
     (FrameInput::Pose, "pose "),
     (FrameInput::Gain, "gain "),
+    (FrameInput::Light, "light "),
 ];
 
 /// What stands for the content of a file that could not be read: its frame is skipped, and once it can be read the unit's

@@ -15,7 +15,7 @@ use crate::phases::cause::Cause;
 use crate::phases::context::Context;
 use crate::phases::facts::{Facts, USUAL_BINS};
 use crate::phases::known::Known;
-use crate::phases::light::sun_of;
+use crate::phases::light::suns_of;
 use crate::phases::phase::Phase;
 use crate::phases::report::FrameCounts;
 use crate::phases::takes::{QUEUE, Takes};
@@ -116,10 +116,10 @@ impl Phase for Cast {
         let bvh = scene.bvh();
         let decode = scene.decode(pipeline);
         let (tile, downscale) = (pipeline.cast.tile, pipeline.decode.downscale);
-        let gains = surveyed.groups.gains();
+        let conditions = surveyed.groups.conditions();
         let find = |sun| pool::share(pipeline.run.threads(), || Sunlit::new(sun, &scene.mesh, &bvh));
-        let sunlit = sun_of(pipeline, &surveyed.light).map(find).transpose()?;
-        let sunlit = sunlit.as_ref();
+        let suns = suns_of(pipeline, &surveyed.light).into_iter().map(|sun| sun.map(find).transpose());
+        let suns = suns.collect::<Result<Vec<_>>>()?;
         let cast = cast::Cast {
             frames: &scene.frames,
             mesh: &scene.mesh,
@@ -127,8 +127,8 @@ impl Phase for Cast {
             tile,
             downscale,
             piece,
-            gains: &gains,
-            sunlit,
+            conditions: &conditions,
+            suns: &suns,
         };
         let commits = Commits::new(&ledger, &scene.frames);
         let commit = |group: &_, contents: &_, files| commits.commit(group, contents, files);

@@ -7,6 +7,7 @@ use crate::flow::pool;
 use crate::phases::facts::Facts;
 use crate::phases::takes::{QUEUE, STACK, StageTakes};
 use crate::pipeline::Pipeline;
+use crate::scene::cells::LIGHTS;
 use crate::shard::Record;
 use crate::stages::light::Mode;
 use crate::stages::sunlit::Sunlit;
@@ -52,9 +53,14 @@ pub(super) struct CastShare {
     pub frames: u64,
 }
 
-/// The bytes that say where the sun reaches a mesh of so many triangles, if a sun may be known.
+/// The bytes that say where each sun reaches a mesh of so many triangles, if one may be known.
 pub(super) fn sunlit(pipeline: &Pipeline, triangles: u64) -> u64 {
-    if pipeline.light.mode == Mode::Unknown { 0 } else { Sunlit::BYTES_PER_TRIANGLE * triangles }
+    let lights = match pipeline.light.mode {
+        Mode::Unknown => 0,
+        Mode::Known => 1,
+        Mode::Estimate | Mode::Ephemeris => LIGHTS as u64,
+    };
+    lights * Sunlit::BYTES_PER_TRIANGLE * triangles
 }
 
 /// The bytes of `memory` that are left for a frame where it is the only one under way.

@@ -27,7 +27,7 @@ use crate::scene::Mesh;
 use crate::scene::frame::{Frame, LinearImage, Samples};
 use crate::scene::light::Sun;
 use crate::scene::view::{Tile, View};
-use crate::stages::cast::{Cast, tile_bytes};
+use crate::stages::cast::{Cast, Conditions, tile_bytes};
 use crate::stages::decode::Decode;
 use crate::stages::scene_light::{SceneLight, SunAndSky};
 use crate::trace::Bvh;
@@ -167,11 +167,11 @@ fn cast(
         }
     };
     let frames = std::slice::from_ref(frame);
-    let cast = Cast { frames, mesh, bvh, tile, downscale, piece: u64::MAX, gains: &[1.0], sunlit: None };
+    let cast = Cast { frames, mesh, bvh, tile, downscale, piece: u64::MAX, conditions: &[PLAIN], suns: &[] };
     let one = |window: &Tile| -> Result<Cost> {
         let mut scratch = cast.scratch()?;
         let started = Instant::now();
-        let (rows, _) = cast.rows(&view, window.split(tile), image, 1.0, &mut scratch, |_| Ok(()))?;
+        let (rows, _) = cast.rows(&view, window.split(tile), image, PLAIN, &mut scratch, |_| Ok(()))?;
         let pixels = f64::from(window.width) * f64::from(window.height);
         let seconds = started.elapsed().as_secs_f64();
         Ok(Cost { seconds, pixels, records: rows.records.len() as f64, ..Cost::default() })
@@ -179,6 +179,9 @@ fn cast(
     let casting = windows.par_iter().map(one).try_reduce(Cost::default, |a, b| Ok(a.and(b)))?;
     Ok(if lit { casting.and(light(pipeline, mesh, bvh)) } else { casting })
 }
+
+/// A frame of the exposure and the light that most are taken in.
+const PLAIN: Conditions = Conditions { gain: 1.0, light: 0 };
 
 /// Finds the light of some triangles.
 fn light(pipeline: &Pipeline, mesh: &Mesh, bvh: &Bvh) -> Cost {

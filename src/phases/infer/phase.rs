@@ -22,7 +22,7 @@ use crate::scene::Material;
 use crate::scene::evidence::Evidence;
 use crate::shard::{collect_least, collect_need};
 use crate::stages::infer;
-use crate::stages::scene_light::SceneLight;
+use crate::stages::scene_light::SceneLights;
 use crate::stages::shards::{Collected, Keep, RowsFile, Shard};
 
 /// The phase; a unit is a shard.
@@ -103,14 +103,15 @@ impl Phase for Infer {
         let share = needs.share(run.budget.left()).map_err(|missing| run.budget.missing("infer", missing))?;
         let _held = run.budget.reserve("infer", share.inferring)?;
         let (min_bins, batch) = (pipeline.infer.min_bins, pipeline.infer.batch as usize);
-        let light = run.known.light().filter(|_| estimator.contract().light.wanted());
-        let light = light.map(|light| (light, scene.bvh()));
-        let light = light.as_ref().map(|(light, bvh)| SceneLight::new(*light, &scene.mesh, bvh, pipeline.scene.up));
+        let lights = if estimator.contract().light.wanted() { run.known.lights() } else { Vec::new() };
+        let bvh = (!lights.is_empty()).then(|| scene.bvh());
+        let over = |bvh| SceneLights::new(&lights, &scene.mesh, bvh, pipeline.scene.up);
+        let lights = bvh.as_ref().and_then(over);
         let (stop, budget, ledger) = (run.stop.clone(), run.budget.clone(), Arc::clone(&run.ledger));
         let collected = Collected { segments: &segments, shards: &shards, budget: &budget, each: share.each() };
         let commit = |recipe: &Recipe, files| ledger.commit(recipe, files).map(drop);
         let flow = Flow::source(&stop, "shards", collected)
-            .map("infer", infer::Infer { estimator, light, min_bins, batch }, share.workers, QUEUE)
+            .map("infer", infer::Infer { estimator, lights, min_bins, batch }, share.workers, QUEUE)
             .fold("keep", Keep::new(&shards, Arc::clone(&run.store), &commit), QUEUE);
         run.progress.watch(flow.meters());
         flow.run()

@@ -41,7 +41,37 @@ struct Told<'a> {
     decided: Option<Decided>,
     words: Option<&'a str>,
     moved: Option<&'a Moved>,
+    /// The lights of frames that were not taken in this one.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    others: Vec<Other<'a>>,
     gains: Exposures<'a>,
+}
+
+/// Another light, in the units of the first.
+#[derive(Serialize)]
+struct Other<'a> {
+    sun: Option<[f64; 3]>,
+    color: [f32; 3],
+    sky: [f32; 3],
+    bounce: [f32; 3],
+    spread: Spread,
+    decided: Decided,
+    words: &'a str,
+    frames: Vec<&'a str>,
+}
+
+impl<'a> Other<'a> {
+    /// The lights of frames that were not taken in this one.
+    fn all(light: &'a FoundLight, state: &'a State) -> Vec<Self> {
+        light.others.iter().zip(1..).map(|(other, at)| Other::of(other, at, state)).collect()
+    }
+
+    /// The light at a position in the list of lights.
+    fn of(light: &'a FoundLight, at: usize, state: &'a State) -> Self {
+        let FoundLight { sun, color, sky, bounce, decided, ref words, .. } = *light;
+        let frames = state.taken_in.iter().filter(|(_, light)| **light == at).map(|(name, _)| name.as_str()).collect();
+        Other { sun, color, sky, bounce, spread: Spread::of(light), decided, words, frames }
+    }
 }
 
 /// One standard deviation each: of the sun's direction, and of logarithms.
@@ -50,6 +80,12 @@ struct Spread {
     sun_degrees: f32,
     sky_over_sun: [f32; 3],
     scale: f32,
+}
+
+impl Spread {
+    fn of(light: &FoundLight) -> Self {
+        Spread { sun_degrees: light.sun_degrees, sky_over_sun: light.ratio, scale: light.scale }
+    }
 }
 
 #[derive(Serialize)]
@@ -72,12 +108,13 @@ pub(super) fn write(store: &dyn Store, state: &State, up: [f64; 3]) -> Result<Ve
         color: light.map(|light| light.color),
         sky: light.map(|light| light.sky),
         bounce: light.map(|light| light.bounce),
-        spread: light.map(|l| Spread { sun_degrees: l.sun_degrees, sky_over_sun: l.ratio, scale: l.scale }),
+        spread: light.map(Spread::of),
         turned: light.map(|light| light.turned),
         white: light.map(|light| light.white),
         decided: light.map(|light| light.decided),
         words: light.map(|light| light.words.as_str()),
         moved: state.moved.as_ref(),
+        others: light.map(|light| Other::all(light, state)).unwrap_or_default(),
         gains: Exposures {
             frames: state.gains.iter().map(|(name, gain)| (name.as_str(), gain.log.exp())).collect(),
             untied: &state.untied,

@@ -66,6 +66,9 @@ pub(crate) struct FoundLight {
     pub doubt: Option<String>,
     /// Directions over the sky, each with the cost of a sun there.
     pub dome: Vec<[f32; 4]>,
+    /// The lights of frames that were not taken in this one.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub others: Vec<FoundLight>,
 }
 
 /// That the light was looked for again, and found elsewhere.
@@ -94,6 +97,9 @@ pub(crate) struct Looked {
     pub untied: Vec<String>,
     /// The spread of what the gains leave.
     pub residual: f32,
+    /// The positions of the lights that frames were taken in; none where all were taken in one.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub taken_in: BTreeMap<String, usize>,
     /// The light, where none was known.
     pub light: Option<FoundLight>,
     /// That the light would be found elsewhere now.
@@ -150,7 +156,13 @@ impl FoundLight {
             words: words(found),
             doubt: None,
             dome: dome.filter(|row| row.iter().all(|v| v.is_finite())).collect(),
+            others: Vec::new(),
         }
+    }
+
+    /// This light, and those of frames that were not taken in it.
+    pub(crate) fn all(&self) -> impl Iterator<Item = &FoundLight> {
+        std::iter::once(self).chain(&self.others)
     }
 
     /// Whether a sun is reckoned with. One that is doubtful is: the user is told to check it.
@@ -213,6 +225,7 @@ mod tests {
             words: String::new(),
             doubt: None,
             dome: Vec::new(),
+            others: Vec::new(),
         }
     }
 

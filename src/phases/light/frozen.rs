@@ -17,6 +17,7 @@ use crate::disk::Store;
 use crate::disk::frozen::{self, Damage};
 use crate::phases::report::LightReport;
 use crate::pipeline::Pipeline;
+use crate::scene::cells::LIGHTS;
 
 /// The folder of the list in a run's store.
 const FOLDER: &str = "light";
@@ -51,6 +52,8 @@ pub(crate) struct State {
     pub untied: Vec<String>,
     /// The spread of what the gains leave.
     pub residual: f32,
+    /// The positions of the lights that frames were taken in, by their names; none where all were taken in one.
+    pub taken_in: BTreeMap<String, usize>,
     /// The light.
     pub light: Option<FoundLight>,
     /// That it would be found elsewhere now.
@@ -82,6 +85,11 @@ pub(crate) fn end_light(store: &Arc<dyn Store>) -> Result<()> {
 }
 
 impl State {
+    /// The position of the light that a frame was taken in.
+    pub(crate) fn light_of(&self, frame: &str) -> usize {
+        self.taken_in.get(frame).map_or(0, |light| (*light).min(LIGHTS - 1))
+    }
+
     /// What a report says of it.
     pub(super) fn report(&self) -> LightReport {
         let gains = || self.gains.values().map(|gain| gain.log.exp());
@@ -168,6 +176,7 @@ impl FrozenLight {
                     state.sightings = None;
                     if looked.light_under == self.light_under {
                         state.light = looked.light.clone().or(state.light);
+                        state.taken_in.extend(looked.taken_in.iter().map(|(name, light)| (name.clone(), *light)));
                         (state.moved, state.sightings) = (looked.moved.clone(), Some(looked.sightings));
                     }
                 }
@@ -204,15 +213,18 @@ impl FrozenLight {
 
     /// What stands in a recipe for all that is known of these sightings.
     pub(super) fn key(&self, sightings: Key) -> Option<Key> {
-        let State { sample: _, gains, untied, residual, light, moved, sightings: of } = &self.state;
-        let all = serde_json::to_vec(&(gains, untied, residual, light, moved)).unwrap_or_default();
+        let State { sample: _, gains, untied, residual, taken_in, light, moved, sightings: of } = &self.state;
+        let all = serde_json::to_vec(&(gains, untied, residual, taken_in, light, moved)).unwrap_or_default();
         (*of == Some(sightings)).then(|| Key::of_bytes(&all))
     }
 
     /// The key of the light, in the recipes of what it lights.
     pub(crate) fn light_key(&self) -> Option<Key> {
-        let FoundLight { sun, color, sky, bounce, sun_degrees, ratio, .. } = self.state.light.as_ref()?;
-        Some(Key::of_bytes(format!("{sun:?} {color:?} {sky:?} {bounce:?} {sun_degrees:?} {ratio:?}").as_bytes()))
+        let of = |FoundLight { sun, color, sky, bounce, sun_degrees, ratio, .. }: &FoundLight| {
+            format!("{sun:?} {color:?} {sky:?} {bounce:?} {sun_degrees:?} {ratio:?}")
+        };
+        let all: Vec<String> = self.state.light.as_ref()?.all().map(of).collect();
+        Some(Key::of_bytes(all.join("; ").as_bytes()))
     }
 
     /// Freezes the triangles that are looked at, unless they are.

@@ -48,18 +48,20 @@ impl Occasion {
     /// Neither the pipeline file nor a photograph tells the place, or the time; the sun was below the horizon; north cannot be
     /// told.
     pub(crate) fn of(pipeline: &Pipeline, frames: &[Frame]) -> Result<Occasion> {
+        let given = pipeline.light.place.is_some() && pipeline.light.time.is_some();
+        Occasion::told(pipeline, &if given { vec![Taken::default(); frames.len()] } else { all_told(pipeline, frames) })
+    }
+
+    /// When and where photographs were taken that tell this.
+    ///
+    /// # Errors
+    /// As for those of frames.
+    pub(crate) fn told(pipeline: &Pipeline, told: &[Taken]) -> Result<Occasion> {
         let config = &pipeline.light;
-        let told: Vec<Taken> = if config.place.is_some() && config.time.is_some() {
-            Vec::new()
-        } else {
-            // A photograph that cannot be read tells nothing; others may.
-            let read = |frame: &Frame| taken(&pipeline.scene.images.join(&frame.name)).unwrap_or_default();
-            frames.par_iter().map(read).collect()
-        };
-        let place = config.place.or_else(|| middle_place(&told));
-        let time = config.time.map(|time| (time, [0; 2])).or_else(|| middle_time(&told));
+        let place = config.place.or_else(|| middle_place(told));
+        let time = config.time.map(|time| (time, [0; 2])).or_else(|| middle_time(told));
         let (Some(place), Some((time, ends))) = (place, time) else {
-            return Err(untold(place.is_none(), time.is_none(), frames.len()));
+            return Err(untold(place.is_none(), time.is_none(), told.len()));
         };
         let up = DVec3::from(pipeline.scene.up);
         let wrong = |problem: crate::config::Problem| Error::invalid(format!("[light] north: {}", problem.rule));
@@ -81,6 +83,11 @@ impl Occasion {
         }
         Ok(Occasion { place, time, ends, suns })
     }
+}
+
+/// What the photographs of frames tell. One that cannot be read tells nothing.
+pub(super) fn all_told(pipeline: &Pipeline, frames: &[Frame]) -> Vec<Taken> {
+    frames.par_iter().map(|frame| taken(&pipeline.scene.images.join(&frame.name)).unwrap_or_default()).collect()
 }
 
 /// What to do where something is not told.
@@ -126,15 +133,18 @@ fn middle(mut values: Vec<f64>) -> Option<f64> {
 
 /// The median moment, and seconds from it to the first and the last. Where some photographs tell the zone, those alone count.
 pub(crate) fn middle_time(told: &[Taken]) -> Option<(Moment, [i64; 2])> {
-    let times = || told.iter().filter_map(|taken| taken.time);
-    let zoned = times().any(|time| time.zone.is_some());
-    let mut times: Vec<(i64, Moment)> = times()
-        .filter(|time| time.zone.is_some() == zoned)
-        .map(|time| (time.utc().unwrap_or(time.clock), time))
-        .collect();
+    let of = |(taken, seconds): (&Taken, Option<i64>)| Some((seconds?, taken.time?));
+    let mut times: Vec<(i64, Moment)> = told.iter().zip(seconds(told)).filter_map(of).collect();
     times.sort_by_key(|(seconds, _)| *seconds);
     let (middle, time) = *times.get(times.len() / 2)?;
     Some((time, [times.first()?.0 - middle, times.last()?.0 - middle]))
+}
+
+/// The times that are told, as seconds of one clock. Where some photographs tell the zone, those alone count.
+pub(super) fn seconds(told: &[Taken]) -> Vec<Option<i64>> {
+    let zoned = told.iter().filter_map(|taken| taken.time).any(|time| time.zone.is_some());
+    let of = |time: Moment| (time.zone.is_some() == zoned).then(|| time.utc().unwrap_or(time.clock));
+    told.iter().map(|taken| taken.time.and_then(of)).collect()
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::file::{DOME, LIGHT, write};
 use super::frozen::{FrozenLight, VERSION};
-use super::occasion::Occasion;
+use super::occasion::{Occasion, all_told};
 use super::solve::Evidence;
 use crate::base::key::{Key, KeyBuilder};
 use crate::base::{PhaseName, Result};
@@ -91,9 +91,12 @@ impl Phase for Light {
             let surveyed = run.known.surveyed_mut()?;
             let (scene, sample) = (&surveyed.scene, surveyed.light.sample());
             let (rows, images) = (&seen.rows, &seen.images);
-            let occasion = || pool::share(pipeline.run.threads(), || Occasion::of(pipeline, &scene.frames));
-            let occasion = (pipeline.light.mode == Mode::Ephemeris).then(occasion).transpose()?.transpose()?;
-            let evidence = Evidence { pipeline, scene, sample: &sample, sightings: rows, occasion, images };
+            let told = pool::share(pipeline.run.threads(), || all_told(pipeline, &scene.frames))?;
+            if pipeline.light.mode == Mode::Ephemeris {
+                Occasion::told(pipeline, &told)?;
+            }
+            let bvh = &scene.bvh();
+            let evidence = Evidence { pipeline, scene, bvh, sample: &sample, sightings: rows, told: &told, images };
             let light = &mut surveyed.light;
             light.freeze(sightings, |known| pool::share(pipeline.run.threads(), || evidence.looked(known)))?;
         }

@@ -1,17 +1,22 @@
 //! Gains and light of what all frames saw, beside what is known of them.
 
+use std::cmp::Reverse;
 use std::collections::BTreeMap;
 
 use super::ephemeris::under;
-use super::found::{FoundLight, Gain, Looked};
+use super::found::{Decided, FoundLight, Gain, Looked};
 use super::frozen::State;
-use super::occasion::Occasion;
+use super::occasion::{Occasion, seconds};
+use super::sittings::{Sitting, alike, together};
 use crate::base::ids::TriangleId;
 use crate::base::key::Key;
-use crate::light::{self, Clues, Gains, Settings, Sighting};
+use crate::codec::images::Taken;
+use crate::light::{self, Clues, Gains, Settings, Sighting, sittings};
 use crate::phases::scene::LoadedScene;
 use crate::pipeline::Pipeline;
 use crate::scene::frame::Frame;
+use crate::stages::light::Mode;
+use crate::trace::Bvh;
 
 /// What gains and light are found of.
 pub(super) struct Evidence<'a> {
@@ -19,21 +24,31 @@ pub(super) struct Evidence<'a> {
     pub pipeline: &'a Pipeline,
     /// The scene.
     pub scene: &'a LoadedScene,
+    /// The hierarchy over its mesh.
+    pub bvh: &'a Bvh,
     /// The triangles that were looked at.
     pub sample: &'a [TriangleId],
     /// What the frames saw of them.
     pub sightings: &'a [Sighting],
-    /// When and where the photographs were taken, where that tells the sun.
-    pub occasion: Option<Occasion>,
+    /// What every frame's photograph tells of place and time.
+    pub told: &'a [Taken],
     /// The content of every frame's image, as recipes have it; empty where it was not read.
     pub images: &'a [String],
 }
 
-impl Evidence<'_> {
+/// What was found of the sittings, the first of them that whose light is best known.
+struct Found {
+    gains: Gains,
+    light: Option<FoundLight>,
+    /// The sitting of each frame.
+    of_frame: Vec<usize>,
+}
+
+impl<'a> Evidence<'a> {
     /// What is found beside what is known. It depends on the evidence alone, not on the number of threads.
     pub(super) fn looked(&self, known: &State) -> Looked {
         let frames = &self.scene.frames;
-        let gains = self.gains(known);
+        let Found { gains, light, of_frame } = self.found(known);
         let named = || frames.iter().zip(self.images).zip(&gains.log);
         let is_known = |frame: &Frame, image: &String| known.gains.get(&frame.name).is_some_and(|g| g.image == *image);
         let new: BTreeMap<String, Gain> = named()
@@ -41,12 +56,15 @@ impl Evidence<'_> {
             .filter_map(|((frame, image), log)| Some((frame.name.clone(), Gain { log: (*log)?, image: image.clone() })))
             .collect();
         let untied = named().filter(|((_, image), log)| log.is_none() && !image.is_empty());
-        let light = self.pipeline.estimates_light().then(|| self.light(&gains));
         let moved = known.light.as_ref().zip(light.as_ref()).and_then(|(before, now)| before.against(now));
+        let several = of_frame.iter().any(|sitting| *sitting > 0);
+        let taken_in = frames.iter().zip(&of_frame).filter(|(frame, _)| !known.taken_in.contains_key(&frame.name));
+        let taken_in = taken_in.filter(|_| several).map(|(frame, sitting)| (frame.name.clone(), *sitting)).collect();
         Looked {
             untied: untied.map(|((frame, _), _)| frame.name.clone()).collect(),
             residual: if gains.residual.is_finite() { gains.residual } else { 0.0 },
             gains: new,
+            taken_in,
             light: light.filter(|_| known.light.is_none()),
             moved,
             // Whoever keeps it knows these.
@@ -56,25 +74,96 @@ impl Evidence<'_> {
         }
     }
 
-    fn gains(&self, known: &State) -> Gains {
+    /// Finds gains and light sitting by sitting. Sittings of one light become one, and are looked at anew.
+    fn found(&self, known: &State) -> Found {
+        let mut of_frame = self.sittings(known);
+        if !self.pipeline.estimates_light() {
+            return Found { gains: self.gains(known, self.sightings, |_| true), light: None, of_frame };
+        }
+        loop {
+            let count = of_frame.iter().max().map_or(1, |last| last + 1);
+            let mut sittings: Vec<Sitting<'a>> = (0..count).map(|one| self.sitting(known, &of_frame, one)).collect();
+            if known.light.is_none() {
+                let lights: Vec<&FoundLight> = sittings.iter().map(|sitting| &sitting.light).collect();
+                if let Some((kept, given)) = alike(&lights) {
+                    let joined = |sitting: usize| match sitting {
+                        s if s == given => kept,
+                        s => s - usize::from(s > given),
+                    };
+                    of_frame.iter_mut().for_each(|sitting| *sitting = joined(*sitting));
+                    continue;
+                }
+                let frames = |sitting: usize| of_frame.iter().filter(|of| **of == sitting).count();
+                let mut order: Vec<usize> = (0..count).collect();
+                order.sort_by_key(|&at| (sittings[at].light.decided != Decided::Sun, Reverse(frames(at))));
+                let mut ranked: Vec<(usize, Sitting<'a>)> = sittings
+                    .into_iter()
+                    .enumerate()
+                    .map(|(at, s)| (order.iter().position(|o| *o == at).unwrap_or(at), s))
+                    .collect();
+                ranked.sort_by_key(|(rank, _)| *rank);
+                sittings = ranked.into_iter().map(|(_, sitting)| sitting).collect();
+                of_frame.iter_mut().for_each(|sitting| *sitting = order.iter().position(|o| o == sitting).unwrap_or(0));
+            }
+            let gains = together_gains(&sittings, &of_frame);
+            let counts: Vec<usize> = (0..count).map(|one| of_frame.iter().filter(|of| **of == one).count()).collect();
+            return Found { gains, light: together(sittings, &counts), of_frame };
+        }
+    }
+
+    /// The sitting of each frame. A light that is known stays the only one if it was.
+    fn sittings(&self, known: &State) -> Vec<usize> {
+        let frames = &self.scene.frames;
+        let one_moment = self.pipeline.light.mode == Mode::Ephemeris && self.pipeline.light.time.is_some();
+        let one_light = known.light.as_ref().is_some_and(|light| light.others.is_empty());
+        if !self.pipeline.estimates_light() || one_moment || one_light {
+            return vec![0; frames.len()];
+        }
+        let of_known: Vec<Option<usize>> =
+            frames.iter().map(|frame| known.taken_in.get(&frame.name).copied()).collect();
+        sittings(self.sightings, &seconds(self.told), &of_known)
+    }
+
+    /// One sitting.
+    fn sitting(&self, known: &State, of_frame: &[usize], one: usize) -> Sitting<'a> {
+        let is_own = |frame: usize| of_frame.get(frame) == Some(&one);
+        let alone = of_frame.iter().all(|sitting| *sitting == one);
+        let own: Vec<Sighting>;
+        let seen = if alone {
+            self.sightings
+        } else {
+            own = self.sightings.iter().filter(|sighting| is_own(sighting.frame as usize)).copied().collect();
+            &own
+        };
+        let gains = self.gains(known, seen, is_own);
+        let scene = light::Scene { mesh: &self.scene.mesh, bvh: self.bvh, up: self.pipeline.scene.zenith() };
+        let settings = Settings { white: self.pipeline.light.white };
+        let clues = Clues::new(&scene, self.sample, seen, &gains);
+        let told = || self.told.iter().enumerate().filter(|(frame, _)| is_own(*frame)).map(|(_, told)| *told).collect();
+        // That the photographs tell an occasion was made sure of; those of one sitting may not.
+        let occasion = |told: Vec<Taken>| Occasion::told(self.pipeline, &told).ok();
+        let occasion = (self.pipeline.light.mode == Mode::Ephemeris).then(|| occasion(told())).flatten();
+        let light = occasion.and_then(|occasion| under(&clues, &occasion, &settings));
+        let light = light.unwrap_or_else(|| FoundLight::of(&clues.find(&settings)));
+        Sitting { clues, gains, light }
+    }
+
+    /// The gains of some frames, from what they saw.
+    fn gains(&self, known: &State, seen: &[Sighting], of: impl Fn(usize) -> bool) -> Gains {
         let count = self.scene.frames.len();
         if !self.pipeline.solves_exposure() {
             return Gains::none(count);
         }
-        let of = |(frame, image): (&Frame, &String)| {
-            known.gains.get(&frame.name).filter(|gain| gain.image == *image).map(|gain| gain.log)
+        let frozen = |(at, (frame, image)): (usize, (&Frame, &String))| {
+            known.gains.get(&frame.name).filter(|gain| of(at) && gain.image == *image).map(|gain| gain.log)
         };
-        let frozen: Vec<Option<f32>> = self.scene.frames.iter().zip(self.images).map(of).collect();
-        light::gains(self.sightings, count, &frozen)
+        let frozen: Vec<Option<f32>> = self.scene.frames.iter().zip(self.images).enumerate().map(frozen).collect();
+        light::gains(seen, count, &frozen)
     }
+}
 
-    fn light(&self, gains: &Gains) -> FoundLight {
-        let (mesh, bvh) = (&self.scene.mesh, self.scene.bvh());
-        let up = self.pipeline.scene.zenith();
-        let scene = light::Scene { mesh, bvh: &bvh, up };
-        let settings = Settings { white: self.pipeline.light.white };
-        let clues = Clues::new(&scene, self.sample, self.sightings, gains);
-        let known = self.occasion.as_ref().and_then(|occasion| under(&clues, occasion, &settings));
-        known.unwrap_or_else(|| FoundLight::of(&clues.find(&settings)))
-    }
+/// The gains of all frames, each in its sitting. What they leave is that of the worst.
+fn together_gains(sittings: &[Sitting<'_>], of_frame: &[usize]) -> Gains {
+    let log = of_frame.iter().enumerate().map(|(frame, sitting)| sittings[*sitting].gains.log[frame]).collect();
+    Gains { log, residual: sittings.iter().map(|sitting| sitting.gains.residual).fold(0.0, f32::max) }
 }

@@ -63,6 +63,45 @@ fn darken(image: &Path, by: f32) {
     write_jpeg(image, &(0..found.len()).map(pixel).collect::<Vec<_>>(), width, height, 98).unwrap();
 }
 
+/// Half of the frames are taken in the morning, half after noon.
+#[test]
+fn frames_of_two_suns_have_each_its_own() {
+    let suns = vec![[38.0, 115.0], [50.0, 240.0]];
+    let dir = scene_of(CityConfig { suns: suns.clone(), ..CityConfig::default() });
+    let (first, store) = (MemStore::new(), MemStore::new());
+    let (report, notes, told) = run(&dir, &store, &[]);
+    let told = told.unwrap();
+    let towards = |[elevation, azimuth]: [f64; 2]| {
+        let (up, around) = (elevation.to_radians(), azimuth.to_radians());
+        glam::DVec3::new(up.cos() * around.cos(), up.cos() * around.sin(), up.sin())
+    };
+    let other = &told["others"][0];
+    let found = [&told["sun"], &other["sun"]].map(|sun| {
+        let sun: [f64; 3] = serde_json::from_value(sun.clone()).unwrap();
+        glam::DVec3::from(sun)
+    });
+    // Which of the two comes first depends on how surely each was found.
+    let off = |order: [usize; 2]| {
+        (0..2).map(|i| found[i].angle_between(towards(suns[order[i]])).to_degrees()).fold(0.0, f64::max)
+    };
+    let swapped = off([1, 0]) < off([0, 1]);
+    assert!(off([0, 1]).min(off([1, 0])) < 4.0, "{found:?} {notes:?}");
+    let frames: Vec<String> = serde_json::from_value(other["frames"].clone()).unwrap();
+    let half = if swapped { "frame_000.jpg" } else { "frame_004.jpg" };
+    assert_eq!((frames.len(), frames[0].as_str()), (4, half));
+    // One scale for both: the city's suns are as bright as each other.
+    for c in 0..3 {
+        let ratio = other["color"][c].as_f64().unwrap() / told["color"][c].as_f64().unwrap();
+        assert!((0.85..1.18).contains(&ratio), "channel {c}: {ratio}");
+    }
+    assert!(report.light.unwrap().words.contains("4 photographs were taken in another light"));
+    // The same again, and nothing is done over.
+    let (again, ..) = run(&dir, &store, &[]);
+    assert_eq!((again.frames.cast, again.shards.inferred), (0, 0));
+    run(&dir, &first, &["run.threads=1"]);
+    assert_eq!(outputs(&first), outputs(&store));
+}
+
 #[test]
 fn a_city_of_which_nothing_is_known_gives_its_sun_away() {
     let (dir, store) = (scene(), MemStore::new());
