@@ -7,7 +7,8 @@ use crate::phases::{LightReport, Report};
 /// Shows what a report says of exposures and light.
 pub(super) fn rows(lines: &mut Lines, report: &Report) {
     let Some(light) = &report.light else { return };
-    let LightReport { sun, sun_degrees, color, sky, white, turned, words, moved, gains, gain_range, untied } = light;
+    let LightReport { sun, sun_degrees, color, sky, white, turned, words, moved, gains, gain_range, untied, corners } =
+        light;
     let three = |v: &[f32; 3]| v.map(|v| format!("{v:.3}")).join(" ");
     if let Some([x, y, z]) = sun {
         lines.row("sun", format!("[{x:.4}, {y:.4}, {z:.4}] within {sun_degrees:.1} degrees, turned {turned:.2}"));
@@ -24,6 +25,7 @@ pub(super) fn rows(lines: &mut Lines, report: &Report) {
     if *gains > 0 || !untied.is_empty() {
         let [low, high] = gain_range;
         let left = if untied.is_empty() { String::new() } else { format!("; {} not told", untied.len()) };
-        lines.row("exposure", format!("gains {low:.2} to {high:.2} of {gains} frames{left}"));
+        let dark = corners.map(|lost| format!("; corners lose {:.0}%", 100.0 * lost)).unwrap_or_default();
+        lines.row("exposure", format!("gains {low:.2} to {high:.2} of {gains} frames{left}{dark}"));
     }
 }

@@ -1,6 +1,7 @@
 //! Which exposure and which light were the photographs taken in? Found from what frames saw of a sample of triangles.
 //!
 //! - [`sittings()`]: which frames were taken in one light.
+//! - [`vignetting()`]: how much darker cameras are towards their corners.
 //! - [`gains()`]: one factor a frame, from triangles that several frames see.
 //! - [`find`]: the sun's direction and the ratio of sky to sun, from pairs of triangles that are alike but for their light:
 //!   under the right light their albedos agree. The scale is a convention, since a brighter sun and whiter walls look the same.
@@ -32,6 +33,7 @@ mod spread;
 #[cfg(test)]
 mod tests;
 mod tied;
+mod vignetting;
 
 pub use clues::{Clues, Settings, find};
 pub use found::{Decision, Found, Spread};
@@ -41,3 +43,4 @@ pub(crate) use observed::luma;
 pub use patches::Scene;
 pub use sample::{TRIANGLES, sample};
 pub(crate) use sittings::sittings;
+pub(crate) use vignetting::vignetting;

@@ -16,6 +16,8 @@ pub(super) struct Row {
     pub log: f64,
     /// The weight that its pixels give it.
     pub share: f64,
+    /// The squared distance from the image's centre.
+    pub radius2: f64,
 }
 
 /// The sightings that tell of exposure, triangle by triangle: bright enough, hardly clipped, of triangles that several frames
@@ -30,7 +32,8 @@ pub(super) fn rows(sightings: &[Sighting], frames: usize) -> Vec<Row> {
     let several = usable.chunk_by(|a, b| a.sample == b.sample).filter(|of_one| of_one.len() > 1);
     let row = |triangle: usize, s: &Sighting| {
         let pixels = f64::from(s.pixels);
-        Row { frame: s.frame as usize, triangle, log: f64::from(s.luma()).ln(), share: pixels / (pixels + FEW) }
+        let (log, share) = (f64::from(s.luma()).ln(), pixels / (pixels + FEW));
+        Row { frame: s.frame as usize, triangle, log, share, radius2: f64::from(s.radius2) }
     };
     several.enumerate().flat_map(|(triangle, of_one)| of_one.iter().map(move |s| row(triangle, s))).collect()
 }

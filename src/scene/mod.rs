@@ -19,6 +19,7 @@ pub(crate) mod seen;
 pub(crate) mod survey;
 pub(crate) mod up;
 pub(crate) mod view;
+pub(crate) mod vignetting;
 
 pub use material::Material;
 pub use mesh::Mesh;

@@ -17,6 +17,7 @@ use crate::scene::cells::{Reach, cell};
 use crate::scene::frame::{Frame, LinearImage};
 use crate::scene::reflectance::{BinSum, LobeFrame, bin_of};
 use crate::scene::view::{Tile, View};
+use crate::scene::vignetting::Vignetting;
 use crate::shard::{Accumulator, FrameRecords, Record};
 use crate::trace::{Bvh, PixelHit, TileRays};
 
@@ -115,6 +116,8 @@ pub(crate) struct Cast<'a> {
 pub(crate) struct Conditions {
     /// What its radiance is divided by.
     pub gain: f32,
+    /// How much darker it is towards its corners, which is taken out too.
+    pub vignetting: Vignetting,
     /// The position of the light that it was taken in.
     pub light: usize,
 }
@@ -148,7 +151,7 @@ impl Cast<'_> {
         view: &View,
         tiles: impl Iterator<Item = Tile>,
         image: &LinearImage,
-        Conditions { gain, light }: Conditions,
+        Conditions { gain, vignetting, light }: Conditions,
         scratch: &mut Scratch,
         mut piece: impl FnMut(FrameRecords) -> Result<()>,
     ) -> Result<(FrameRecords, Counts)> {
@@ -173,10 +176,11 @@ impl Cast<'_> {
                 let Some((triangle, axes)) = last else { continue };
                 let towards = axes.to_local(-direction);
                 if towards.z > 0.0 {
+                    let by = gain * vignetting.at_pixel(at + UVec2::new(cast.x, cast.y), view.size());
                     rows.observe(
                         triangle,
                         cell(to_u8(light), sunlit.map_or(Reach::Untold, |_| reach.at(at)), bin_of(towards)),
-                        BinSum::one(pixel.rgb.map(|value| value / gain), pixel.clipped),
+                        BinSum::one(pixel.rgb.map(|value| value / by), pixel.clipped),
                     );
                     counts.observations += 1;
                     counts.bright += u64::from(pixel.rgb.iter().any(|&value| value > BRIGHT));

@@ -5,3 +5,4 @@ mod light;
 mod sample;
 mod sittings;
 mod town;
+mod vignetting;

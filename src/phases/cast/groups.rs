@@ -22,6 +22,7 @@ use crate::phases::scene::LoadedScene;
 use crate::phases::units::Unit;
 use crate::pipeline::Pipeline;
 use crate::scene::frame::Frame;
+use crate::scene::vignetting::Vignetting;
 use crate::shard::Segment;
 use crate::shard::format::VERSION;
 use crate::stages::cast::Conditions;
@@ -112,7 +113,11 @@ impl FrameGroups {
 
     /// How each frame was taken.
     pub(crate) fn conditions(&self) -> Vec<Conditions> {
-        let of = |taken: &TakenIn| Conditions { gain: taken.gain.map_or(1.0, f32::exp), light: taken.light };
+        let of = |TakenIn { gain, vignetting, light }: &TakenIn| Conditions {
+            gain: gain.map_or(1.0, f32::exp),
+            vignetting: *vignetting,
+            light: *light,
+        };
         self.taken.iter().map(of).collect()
     }
 
@@ -155,8 +160,9 @@ impl FrameGroups {
             for id in &group.frames {
                 let name = &scene.frames[id.index()].name;
                 let gain = light.state().gains.get(name).filter(|gain| gain.image == image_in(&group.recipe, name));
-                let light = light.state().light_of(name);
-                self.taken[id.index()] = TakenIn { gain: gain.map(|gain| gain.log), light };
+                let (gain, state) = (gain.map(|gain| gain.log), light.state());
+                let (vignetting, light) = (state.vignetting_of(&scene.frames[id.index()]), state.light_of(name));
+                self.taken[id.index()] = TakenIn { gain, vignetting, light };
             }
         }
         let taken = &self.taken;
@@ -219,6 +225,8 @@ impl Group {
 struct TakenIn {
     /// The logarithm of its gain.
     gain: Option<f32>,
+    /// How much darker it is towards its corners.
+    vignetting: Vignetting,
     /// The position of its light.
     light: usize,
 }
@@ -248,7 +256,11 @@ impl Common<'_> {
         let start = Recipe::new(self.phase(), number).with_all(ingredients);
         frames.iter().fold(start, |recipe, &id| {
             let frame = &all[id.index()];
-            let TakenIn { gain, light } = (self.taken)(id);
+            let TakenIn { gain, vignetting: Vignetting { second, fourth }, light } = (self.taken)(id);
+            let gain = match (gain, second != 0.0 || fourth != 0.0) {
+                (gain, false) => gain.map(|gain| gain.to_string()),
+                (gain, true) => Some(format!("{} {second} {fourth}", gain.unwrap_or(0.0))),
+            };
             with_pose(recipe, frame)
                 .with_or_without(ingredient(FrameInput::Gain, &frame.name), gain)
                 .with_or_without(ingredient(FrameInput::Light, &frame.name), (light > 0).then_some(light))

@@ -27,6 +27,7 @@ use crate::scene::Mesh;
 use crate::scene::frame::{Frame, LinearImage, Samples};
 use crate::scene::light::Sun;
 use crate::scene::view::{Tile, View};
+use crate::scene::vignetting::Vignetting;
 use crate::stages::cast::{Cast, Conditions, tile_bytes};
 use crate::stages::decode::Decode;
 use crate::stages::scene_light::{SceneLight, SunAndSky};
@@ -181,7 +182,7 @@ fn cast(
 }
 
 /// A frame of the exposure and the light that most are taken in.
-const PLAIN: Conditions = Conditions { gain: 1.0, light: 0 };
+const PLAIN: Conditions = Conditions { gain: 1.0, vignetting: Vignetting::NONE, light: 0 };
 
 /// Finds the light of some triangles.
 fn light(pipeline: &Pipeline, mesh: &Mesh, bvh: &Bvh) -> Cost {

@@ -13,6 +13,7 @@ use crate::base::convert::Cut;
 use crate::base::{Error, Result};
 use crate::codec::images::encode_png;
 use crate::disk::{FileEntry, Store};
+use crate::scene::vignetting::Vignetting;
 
 /// The file that says what was found.
 pub(crate) const LIGHT: &str = "light.json";
@@ -95,6 +96,8 @@ struct Exposures<'a> {
     /// Frames that nothing ties to the others: their gain is 1.
     untied: &'a [String],
     residual: f32,
+    /// By the size of their images, how much darker cameras are towards their corners.
+    vignetting: &'a BTreeMap<String, Vignetting>,
 }
 
 /// Writes both files.
@@ -119,6 +122,7 @@ pub(super) fn write(store: &dyn Store, state: &State, up: [f64; 3]) -> Result<Ve
             frames: state.gains.iter().map(|(name, gain)| (name.as_str(), gain.log.exp())).collect(),
             untied: &state.untied,
             residual: state.residual,
+            vignetting: &state.vignetting,
         },
     };
     let failed = |name: &str| Error::io("write", store.path(name));

@@ -7,7 +7,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::base::key::Key;
 use crate::light::{Decision, Found};
+use crate::scene::frame::Frame;
 use crate::scene::light::Sun;
+use crate::scene::vignetting::Vignetting;
 use crate::stages::scene_light::{Doubts, SunAndSky};
 
 /// The gain of a frame.
@@ -97,6 +99,9 @@ pub(crate) struct Looked {
     pub untied: Vec<String>,
     /// The spread of what the gains leave.
     pub residual: f32,
+    /// How much darker cameras are towards their corners, by the size of their images, where that was not known.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub vignetting: BTreeMap<String, Vignetting>,
     /// The positions of the lights that frames were taken in; none where all were taken in one.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub taken_in: BTreeMap<String, usize>,
@@ -104,6 +109,11 @@ pub(crate) struct Looked {
     pub light: Option<FoundLight>,
     /// That the light would be found elsewhere now.
     pub moved: Option<Moved>,
+}
+
+/// What stands for the camera of a frame: the size of its images.
+pub(crate) fn camera_of(frame: &Frame) -> String {
+    format!("{}x{}", frame.camera.width, frame.camera.height)
 }
 
 /// How a light was decided.

@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::found::{FoundLight, Gain, Looked, Moved};
+use super::found::{FoundLight, Gain, Looked, Moved, camera_of};
 use crate::base::ids::TriangleId;
 use crate::base::key::{Key, KeyBuilder};
 use crate::base::{Error, Result};
@@ -18,6 +18,8 @@ use crate::disk::frozen::{self, Damage};
 use crate::phases::report::LightReport;
 use crate::pipeline::Pipeline;
 use crate::scene::cells::LIGHTS;
+use crate::scene::frame::Frame;
+use crate::scene::vignetting::Vignetting;
 
 /// The folder of the list in a run's store.
 const FOLDER: &str = "light";
@@ -52,6 +54,8 @@ pub(crate) struct State {
     pub untied: Vec<String>,
     /// The spread of what the gains leave.
     pub residual: f32,
+    /// How much darker cameras are towards their corners, by the size of their images.
+    pub vignetting: BTreeMap<String, Vignetting>,
     /// The positions of the lights that frames were taken in, by their names; none where all were taken in one.
     pub taken_in: BTreeMap<String, usize>,
     /// The light.
@@ -85,6 +89,11 @@ pub(crate) fn end_light(store: &Arc<dyn Store>) -> Result<()> {
 }
 
 impl State {
+    /// How much darker a frame is towards its corners.
+    pub(crate) fn vignetting_of(&self, frame: &Frame) -> Vignetting {
+        self.vignetting.get(&camera_of(frame)).copied().unwrap_or(Vignetting::NONE)
+    }
+
     /// The position of the light that a frame was taken in.
     pub(crate) fn light_of(&self, frame: &str) -> usize {
         self.taken_in.get(frame).map_or(0, |light| (*light).min(LIGHTS - 1))
@@ -98,6 +107,12 @@ impl State {
             gains: self.gains.len() as u64,
             gain_range: [gains().reduce(f32::min).unwrap_or(1.0), gains().reduce(f32::max).unwrap_or(1.0)],
             untied: self.untied.clone(),
+            corners: self
+                .vignetting
+                .values()
+                .map(|lens| 1.0 - lens.at(1.0))
+                .reduce(f32::max)
+                .filter(|lost| *lost > 0.0),
             ..LightReport::default()
         };
         let Some(light) = &self.light else { return told };
@@ -172,6 +187,7 @@ impl FrozenLight {
                 }
                 Entry::Looked(looked) if looked.gains_under == self.gains_under => {
                     state.gains.extend(looked.gains.iter().map(|(name, gain)| (name.clone(), gain.clone())));
+                    state.vignetting.extend(looked.vignetting.iter().map(|(camera, found)| (camera.clone(), *found)));
                     (state.untied, state.residual) = (looked.untied.clone(), looked.residual);
                     state.sightings = None;
                     if looked.light_under == self.light_under {
@@ -213,8 +229,10 @@ impl FrozenLight {
 
     /// What stands in a recipe for all that is known of these sightings.
     pub(super) fn key(&self, sightings: Key) -> Option<Key> {
-        let State { sample: _, gains, untied, residual, taken_in, light, moved, sightings: of } = &self.state;
-        let all = serde_json::to_vec(&(gains, untied, residual, taken_in, light, moved)).unwrap_or_default();
+        let State { sample: _, gains, untied, residual, vignetting, taken_in, light, moved, sightings: of } =
+            &self.state;
+        let all =
+            serde_json::to_vec(&(gains, untied, residual, vignetting, taken_in, light, moved)).unwrap_or_default();
         (*of == Some(sightings)).then(|| Key::of_bytes(&all))
     }
 

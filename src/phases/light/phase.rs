@@ -123,7 +123,7 @@ impl Phase for Light {
 
 /// The bytes that so many sightings take, as they are read and while gains and light are found.
 fn held(rows: u64) -> u64 {
-    3 * rows * size_of::<Sighting>() as u64 + FINDING
+    4 * rows * size_of::<Sighting>() as u64 + FINDING
 }
 
 /// The key of all that the frames saw.

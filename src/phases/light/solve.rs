@@ -4,7 +4,7 @@ use std::cmp::Reverse;
 use std::collections::BTreeMap;
 
 use super::ephemeris::under;
-use super::found::{Decided, FoundLight, Gain, Looked};
+use super::found::{Decided, FoundLight, Gain, Looked, camera_of};
 use super::frozen::State;
 use super::occasion::{Occasion, seconds};
 use super::sittings::{Sitting, alike, together};
@@ -15,10 +15,12 @@ use crate::light::{self, Clues, Gains, Settings, Sighting, sittings};
 use crate::phases::scene::LoadedScene;
 use crate::pipeline::Pipeline;
 use crate::scene::frame::Frame;
+use crate::scene::vignetting::Vignetting;
 use crate::stages::light::Mode;
 use crate::trace::Bvh;
 
 /// What gains and light are found of.
+#[derive(Clone, Copy)]
 pub(super) struct Evidence<'a> {
     /// The pipeline.
     pub pipeline: &'a Pipeline,
@@ -48,7 +50,15 @@ impl<'a> Evidence<'a> {
     /// What is found beside what is known. It depends on the evidence alone, not on the number of threads.
     pub(super) fn looked(&self, known: &State) -> Looked {
         let frames = &self.scene.frames;
-        let Found { gains, light, of_frame } = self.found(known);
+        let lenses = self.vignetting(known);
+        let lens = |frame: &Frame| lenses.get(&camera_of(frame)).copied().unwrap_or(Vignetting::NONE);
+        let lens_of: Vec<Vignetting> = frames.iter().map(lens).collect();
+        let even = |sighting: &Sighting| {
+            let by = lens_of.get(sighting.frame as usize).map_or(1.0, |lens| lens.at(sighting.radius2));
+            Sighting { mean: sighting.mean.map(|v| v / by), ..*sighting }
+        };
+        let even: Vec<Sighting> = self.sightings.iter().map(even).collect();
+        let Found { gains, light, of_frame } = Evidence { sightings: &even, ..*self }.found(known);
         let named = || frames.iter().zip(self.images).zip(&gains.log);
         let is_known = |frame: &Frame, image: &String| known.gains.get(&frame.name).is_some_and(|g| g.image == *image);
         let new: BTreeMap<String, Gain> = named()
@@ -64,6 +74,7 @@ impl<'a> Evidence<'a> {
             untied: untied.map(|((frame, _), _)| frame.name.clone()).collect(),
             residual: if gains.residual.is_finite() { gains.residual } else { 0.0 },
             gains: new,
+            vignetting: lenses.into_iter().filter(|(camera, _)| !known.vignetting.contains_key(camera)).collect(),
             taken_in,
             light: light.filter(|_| known.light.is_none()),
             moved,
@@ -72,6 +83,27 @@ impl<'a> Evidence<'a> {
             light_under: Key([0; 32]),
             sightings: Key([0; 32]),
         }
+    }
+
+    /// The vignetting of every camera: what is known stays.
+    fn vignetting(&self, known: &State) -> BTreeMap<String, Vignetting> {
+        let mut lenses = known.vignetting.clone();
+        if !self.pipeline.solves_exposure() {
+            return lenses;
+        }
+        let names: Vec<String> = self.scene.frames.iter().map(camera_of).collect();
+        let mut cameras: Vec<&String> = names.iter().collect();
+        cameras.sort_unstable();
+        cameras.dedup();
+        if cameras.iter().any(|camera| !lenses.contains_key(*camera)) {
+            let of_frame: Vec<usize> =
+                names.iter().map(|name| cameras.partition_point(|camera| *camera < name)).collect();
+            let found = light::vignetting(self.sightings, &of_frame, cameras.len());
+            for (camera, found) in cameras.into_iter().zip(found) {
+                lenses.entry(camera.clone()).or_insert(found);
+            }
+        }
+        lenses
     }
 
     /// Finds gains and light sitting by sitting. Sittings of one light become one, and are looked at anew.

@@ -11,6 +11,7 @@ use crate::light::Sighting;
 use crate::scene::Mesh;
 use crate::scene::frame::{Frame, LinearImage};
 use crate::scene::view::View;
+use crate::scene::vignetting::radius2;
 use crate::stages::decode::{Contents, Decoded};
 use crate::trace::Bvh;
 
@@ -45,12 +46,11 @@ impl Look<'_> {
     fn rows(&self, frame: FrameId, image: &LinearImage, trial: &mut Trial) -> Vec<Sighting> {
         let posed = &self.frames[frame.index()];
         let view = View::new(posed.camera.down_scaled(self.downscale), &posed.pose, self.mesh);
-        let middle = view.size().as_vec2() / 2.0;
         let mut rows = Vec::new();
         for (at, &t) in self.sample.iter().enumerate() {
             let (mut sum, mut place) = ([0.0_f64; 3], Vec2::ZERO);
-            let (pixels, clipped, mean, radius2) = Default::default();
-            let mut row = Sighting { frame: frame.0, sample: to_u32(at), pixels, clipped, mean, radius2 };
+            let (pixels, clipped, mean) = Default::default();
+            let mut row = Sighting { frame: frame.0, sample: to_u32(at), pixels, clipped, mean, radius2: 0.0 };
             for pixel in trial.pixels(&view, self.mesh, self.bvh, t) {
                 let index = pixel.y as usize * image.width as usize + pixel.x as usize;
                 let Some(seen) = image.pixel(index) else { continue };
@@ -63,8 +63,7 @@ impl Look<'_> {
                 continue;
             }
             row.mean = sum.map(|sum| to_f32(sum / f64::from(row.pixels)));
-            let off = place / row.pixels as f32 - middle;
-            row.radius2 = off.length_squared() / middle.length_squared().max(1.0);
+            row.radius2 = radius2(place / row.pixels as f32, view.size());
             rows.push(row);
         }
         rows
