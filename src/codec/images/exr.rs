@@ -12,6 +12,7 @@ use exr::meta::header::Header as Layer;
 use exr::prelude::{ReadChannels, ReadLayers, ReadSpecificChannel, Text};
 
 use super::size::Size;
+use crate::base::convert::to_usize;
 
 /// The most bytes of a header; programs write a few hundred, and previews of tens of thousands. An attribute of a few bytes
 /// becomes a thousand in memory.
@@ -191,7 +192,7 @@ pub(super) fn decode<const CHANNELS: usize>(file: impl BufRead + Seek, header: &
 
 /// What a layer covers along a side of the display window.
 fn overlap(offset: i32, layer: usize, side: u32) -> Range<usize> {
-    let inside = |at: i64| at.clamp(0, side.into()) as usize;
+    let inside = |at: i64| to_usize(at.clamp(0, side.into()).unsigned_abs());
     let (first, layer) = (i64::from(offset), i64::try_from(layer).unwrap_or(i64::MAX));
     inside(first)..inside(first.saturating_add(layer))
 }

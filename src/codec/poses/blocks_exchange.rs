@@ -70,36 +70,30 @@ fn read(path: &Path, photographs: &dyn Photographs) -> Result<Posed> {
             frames.push(Frame { name, camera: shared, pose });
         }
     }
-    let (georeference, note) = system(document.root_element()).map_err(fault)?.unzip();
-    let notes = note.flatten().into_iter().collect();
-    Ok(Posed { frames, unposed, georeference: georeference.flatten(), notes })
+    let (georeference, note) = system(document.root_element()).map_err(fault)?;
+    Ok(Posed { frames, unposed, georeference, notes: note.into_iter().collect() })
 }
 
-/// Where on the earth the block lies, as the system of its coordinates says, and what is told of a system that is not known here;
-/// `None` where it names none, or one that is of nowhere.
+/// Where on the earth the block lies, as the system of its coordinates says, or what is told of a system that is not known here;
+/// neither where it names none, or one that is of nowhere.
 ///
 /// # Errors
 /// In words: coordinates in degrees.
-fn system(root: Node<'_, '_>) -> Result<Option<(Option<Georeference>, Option<String>)>, String> {
+fn system(root: Node<'_, '_>) -> Result<(Option<Georeference>, Option<String>), String> {
     let block = xml::child(root, "Block").unwrap_or(root);
-    let Some(id) = xml::text(block, "SRSId") else { return Ok(None) };
+    let id = xml::text(block, "SRSId").unwrap_or_default();
     let described = xml::all(root, "SRS").find(|srs| xml::text(*srs, "Id") == Some(id));
-    let Some(definition) = described.and_then(|srs| xml::text(srs, "Definition")) else { return Ok(None) };
-    let found = definition.parse().ok().or_else(|| Crs::of_definition(definition));
-    match found {
+    let definition = described.and_then(|srs| xml::text(srs, "Definition")).unwrap_or("Local");
+    match definition.parse().ok().or_else(|| Crs::of_definition(definition)) {
         Some(crs) if crs.is_geographic() => Err(format!(
             "its coordinates are of SRS {} ({crs}), in degrees, which no mesh has: export the block in the system of the mesh",
             shown(id)
         )),
-        Some(crs) => Ok(Some((Some(Georeference { crs: Some(crs), offset: [0.0; 3] }), None))),
-        None if definition.starts_with("LOCAL_CS") || definition == "Local" => Ok(None),
+        Some(crs) => Ok((Some(Georeference { crs: Some(crs), offset: [0.0; 3] }), None)),
+        None if definition.starts_with("LOCAL_CS") || definition == "Local" => Ok((None, None)),
         None => {
-            let note = format!(
-                "coordinates are of the file's SRS {}, {}, which is not known here",
-                shown(id),
-                shown(definition)
-            );
-            Ok(Some((None, Some(note))))
+            let (id, definition) = (shown(id), shown(definition));
+            Ok((None, Some(format!("coordinates are of the file's SRS {id}, {definition}, which is not known here"))))
         }
     }
 }
