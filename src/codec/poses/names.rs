@@ -36,9 +36,17 @@ fn in_other_letters<'a>(plain: &[String], there: &'a [String], found: &mut [Opti
     // Of two photographs whose names differ in nothing else, neither is meant more than the other.
     let at: HashMap<&str, usize> = letters.iter().enumerate().map(|(at, name)| (name.as_str(), at)).collect();
     for (name, found) in plain.iter().zip(found).filter(|(_, found)| found.is_none()) {
-        *found = known.find(&folded(name))?.and_then(|name| at.get(name)).map(|at| left[*at]);
+        let fitting = known.find(&folded(name)).map_err(|_| in_doubt(name, &left))?;
+        *found = fitting.and_then(|name| at.get(name)).map(|at| left[*at]);
     }
     Ok(())
+}
+
+/// What is said of a name that fits several photographs in other letters.
+fn in_doubt(name: &str, there: &[&str]) -> String {
+    let stem = |name: &str| last(without_ending(&folded(name))).to_owned();
+    let fitting: Vec<&str> = there.iter().copied().filter(|other| stem(other) == stem(name)).take(2).collect();
+    format!("image {name} may be {}: name it in the letters of one of them, by its folder too", fitting.join(" or "))
 }
 
 /// A path with `/` between folders, without drive, `.`, and whatever stands before the last `..`.
@@ -167,7 +175,7 @@ mod tests {
             assert_eq!(settle(&written, &other).unwrap(), names);
         }
         let why = settle(&["A.JPG"], &["a.jpg", "a.Jpg"]).unwrap_err();
-        assert!(why.contains("image a.jpg may be a.jpg or a.jpg"), "{why}");
+        assert!(why.contains("image A.JPG may be a.jpg or a.Jpg"), "{why}");
         let why = settle(&["b.JPG"], &there).unwrap_err();
         assert!(why.contains("image b.JPG may be east/b.JPG or west/b.JPG"), "{why}");
     }
