@@ -152,7 +152,7 @@ fn fit(folder: &Path, frames: &[Frame], files: &[Option<String>]) -> Fit {
     for (frame, file) in there.into_iter().step_by(step) {
         let camera = Size { width: frame.camera.width, height: frame.camera.height };
         let Ok(size) = images::size(&folder.join(file)) else { continue };
-        let by = (1..=SMALLEST).find(|by| (camera.width / by, camera.height / by) == (size.width, size.height));
+        let by = (1..=SMALLEST).find(|&by| size.is_smaller(camera, by));
         match (by, smaller) {
             (Some(by), None) => smaller = Some(by),
             (Some(by), Some(before)) if by == before => {}

@@ -93,7 +93,7 @@ mod tests {
         assert_eq!(found(&[METADATA, tile], "Data/Tile_*/*.obj"), wanted);
         assert_eq!(found(&[METADATA, tile], "."), wanted);
         let unnamed = ("metadata.xml", "<SRS>ENU:52,13</SRS><SRSOrigin>1,2,3</SRSOrigin>");
-        assert_eq!(found(&[unnamed], "mesh.obj"), Some((None, [1.0, 2.0, 3.0])));
+        assert_eq!(found(&[unnamed], "mesh.obj"), Some((Some("ENU:52,13".to_owned()), [1.0, 2.0, 3.0])));
         for text in
             ["<SRS>EPSG:32633</SRS>", "<SRSOrigin>1,2</SRSOrigin>", "<SRSOrigin>1,2,inf</SRSOrigin>", "<SRSOrigin>"]
         {

@@ -24,6 +24,7 @@ mod photographs;
 mod progress;
 mod report;
 mod report_file;
+mod rounded;
 mod scene;
 mod synth;
 pub(crate) mod takes;

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use super::cause::FORMAT;
 use super::photographs::find_photographs;
+use super::rounded::round_up;
 use crate::base::ids::FrameId;
 use crate::base::key::{Key, KeyBuilder};
 use crate::base::patience::Patience;
@@ -155,6 +156,7 @@ impl LoadedScene {
             return Err(Error::io("read", &scene.poses.path)(std::io::Error::other(again)));
         }
         let assumed = find_photographs(&mut frames, &scene.images, &photographs);
+        round_up(&mut frames, &scene.images, pipeline.decode.downscale);
         let (frames, held_out) = divided(pipeline, frames);
         Ok(LoadedScene { mesh, mesh_key, frames, held_out, assumed, cached })
     }

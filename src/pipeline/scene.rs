@@ -100,8 +100,9 @@ impl Section for Scene {
         },
         Key {
             name: "crs",
-            doc: "The coordinate reference system that the mesh lies in, by its EPSG number or UTM zone. Without it, what \
-                  OpenDroneMap, Metashape, or a metadata.xml or .prj beside the mesh says. Exports and report.json name it.",
+            doc: "The coordinate reference system that the mesh lies in: its EPSG number, a UTM zone, or \
+                  \"ENU:latitude,longitude\". Without it, what OpenDroneMap, Metashape, a BlocksExchange, or a metadata.xml or \
+                  .prj beside the mesh says. Exports and report.json name it.",
             value: Value::Optional("\"EPSG:32633\""),
         },
         Key {

@@ -6,10 +6,40 @@ use std::str::FromStr;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-/// A coordinate reference system, by its number in the EPSG register.
+use crate::base::convert::Cut;
+
+/// A coordinate reference system: one of the EPSG register, or a plane that touches the earth at a place.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(into = "String", try_from = "String")]
-pub struct Crs(u32);
+pub struct Crs(System);
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum System {
+    /// By its number.
+    Epsg(u32),
+    /// East, north and up in metres from a place, as photogrammetry programs make it where nobody names a system.
+    Plane { latitude: Angle, longitude: Angle },
+}
+
+/// Billionths of a degree: an angle that may be compared, a tenth of a millimetre on the earth.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Angle(i64);
+
+impl Angle {
+    const PARTS: f64 = 1e9;
+
+    /// The angle of a text in degrees, at most so many.
+    fn of(text: &str, most: f64) -> Option<Angle> {
+        let degrees: f64 = text.trim().parse().ok().filter(|degrees: &f64| degrees.abs() <= most)?;
+        Some(Angle(i64::cut((degrees * Angle::PARTS).round())))
+    }
+}
+
+impl fmt::Display for Angle {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        (self.0 as f64 / Angle::PARTS).fmt(f)
+    }
+}
 
 /// Which coordinates a system has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -34,11 +64,20 @@ const STEPS: f64 = 4096.0;
 
 impl Crs {
     /// The geocentric system of WGS 84.
-    pub const GEOCENTRIC: Crs = Crs(4978);
+    pub const GEOCENTRIC: Crs = Crs(System::Epsg(4978));
 
     /// The system of this number, if it may be one.
     pub fn epsg(number: u32) -> Option<Crs> {
-        (1024..=32_767).contains(&number).then_some(Crs(number))
+        (1024..=32_767).contains(&number).then_some(Crs(System::Epsg(number)))
+    }
+
+    /// The plane that a definition names, as "ENU:52.1,13.2": latitude and longitude.
+    fn of_plane(text: &str) -> Option<Crs> {
+        let place = text.trim();
+        let place = place.get(..4).filter(|start| start.eq_ignore_ascii_case("ENU:")).map(|_| &place[4..])?;
+        let (latitude, longitude) = place.split_once(',')?;
+        let (latitude, longitude) = (Angle::of(latitude, 90.0)?, Angle::of(longitude, 360.0)?);
+        Some(Crs(System::Plane { latitude, longitude }))
     }
 
     /// Whether its coordinates are degrees, which no mesh has.
@@ -48,7 +87,8 @@ impl Crs {
 
     /// Ranges of numbers of which all systems are of a kind; what lies between is not told.
     fn kind(self) -> Kind {
-        match self.0 {
+        let System::Epsg(number) = self.0 else { return Kind::Projected };
+        match number {
             32_601..=32_660 | 25_828..=25_838 | 26_901..=26_923 => Kind::Utm { south: false },
             32_701..=32_760 => Kind::Utm { south: true },
             // Axes that point south and west.
@@ -69,10 +109,10 @@ impl Crs {
             zone.strip_suffix('N').map(|zone| (zone, false)).or(zone.strip_suffix('S').map(|z| (z, true)))?;
         let zone: u32 = zone.parse().ok().filter(|zone| (1..=60).contains(zone))?;
         match (datum, south) {
-            ("" | "WGS84" | "WGS1984", false) => Some(Crs(32_600 + zone)),
-            ("" | "WGS84" | "WGS1984", true) => Some(Crs(32_700 + zone)),
-            ("ETRS89" | "ETRS1989", false) if (28..=38).contains(&zone) => Some(Crs(25_800 + zone)),
-            ("NAD83" | "NAD1983", false) if zone <= 23 => Some(Crs(26_900 + zone)),
+            ("" | "WGS84" | "WGS1984", false) => Some(Crs(System::Epsg(32_600 + zone))),
+            ("" | "WGS84" | "WGS1984", true) => Some(Crs(System::Epsg(32_700 + zone))),
+            ("ETRS89" | "ETRS1989", false) if (28..=38).contains(&zone) => Some(Crs(System::Epsg(25_800 + zone))),
+            ("NAD83" | "NAD1983", false) if zone <= 23 => Some(Crs(System::Epsg(26_900 + zone))),
             _ => None,
         }
     }
@@ -83,7 +123,7 @@ impl Crs {
         let digits = |rest: &str| rest.chars().take_while(char::is_ascii_digit).collect::<String>().parse().ok();
         let name = text.split('"').nth(1);
         let of_name = || name.and_then(Crs::of_utm).or_else(|| text.trim().parse().ok());
-        authority.and_then(digits).and_then(Crs::epsg).or_else(of_name)
+        authority.and_then(digits).and_then(Crs::epsg).or_else(of_name).or_else(|| Crs::of_plane(text))
     }
 }
 
@@ -95,8 +135,12 @@ impl FromStr for Crs {
         // A second number is that of the heights.
         let number = text.get(..5).filter(|start| start.eq_ignore_ascii_case("EPSG:")).map_or(text, |_| &text[5..]);
         let number = number.split('+').next().unwrap_or_default().parse().ok();
-        let found = number.and_then(Crs::epsg).or_else(|| Crs::of_utm(text));
-        found.ok_or_else(|| "must be the number of a system, as \"EPSG:32633\", or a zone, as \"UTM 33N\"".to_owned())
+        let found = number.and_then(Crs::epsg).or_else(|| Crs::of_utm(text)).or_else(|| Crs::of_plane(text));
+        found.ok_or_else(|| {
+            let rule =
+                "must be the number of a system, as \"EPSG:32633\", a zone, as \"UTM 33N\", or a plane at a place, as";
+            format!("{rule} \"ENU:52.1,13.2\"")
+        })
     }
 }
 
@@ -116,7 +160,10 @@ impl TryFrom<String> for Crs {
 
 impl fmt::Display for Crs {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "EPSG:{}", self.0)
+        match self.0 {
+            System::Epsg(number) => write!(f, "EPSG:{number}"),
+            System::Plane { latitude, longitude } => write!(f, "ENU:{latitude},{longitude}"),
+        }
     }
 }
 
@@ -188,6 +235,10 @@ impl fmt::Display for Georeference {
 mod tests {
     use super::*;
 
+    fn epsg(number: u32) -> Crs {
+        Crs::epsg(number).unwrap()
+    }
+
     fn place(crs: Crs, offset: DVec3) -> Georeference {
         Georeference { crs: Some(crs), offset: offset.to_array() }
     }
@@ -205,7 +256,7 @@ mod tests {
             ("ETRS89 / UTM zone 32N", 25_832),
             ("NAD83 / UTM zone 11N", 26_911),
         ] {
-            assert_eq!(text.parse(), Ok(Crs(number)), "{text}");
+            assert_eq!(text.parse(), Ok(epsg(number)), "{text}");
         }
         for text in
             ["", "EPSG:", "EPSG:x", "12", "99999", "UTM 33", "UTM 61N", "UTM 0S", "Pulkovo / UTM zone 33N", "éééé"]
@@ -220,16 +271,23 @@ mod tests {
             ("PROJCS[\"WGS_1984_UTM_Zone_33N\",GEOGCS[\"GCS_WGS_1984\"]]", 32_633),
             ("EPSG:25833\n", 25_833),
         ] {
-            assert_eq!(Crs::of_definition(text), Some(Crs(number)), "{text}");
+            assert_eq!(Crs::of_definition(text), Some(epsg(number)), "{text}");
         }
-        for text in ["LOCAL_CS[\"Local Coordinates (m)\"]", "", "ENU:52,13", "AUTHORITY[\"EPSG\",\"99999999999\"]"] {
+        for text in [
+            "LOCAL_CS[\"Local Coordinates (m)\"]",
+            "",
+            "ENU:52",
+            "ENU:91,0",
+            "ENU:nan,0",
+            "AUTHORITY[\"EPSG\",\"99999999999\"]",
+        ] {
             assert_eq!(Crs::of_definition(text), None, "{text}");
         }
     }
 
     #[test]
     fn up_is_z_on_a_plane_and_away_from_the_centre_of_the_earth() {
-        let utm = place(Crs(32_633), DVec3::new(4e5, 5.8e6, 0.0));
+        let utm = place(epsg(32_633), DVec3::new(4e5, 5.8e6, 0.0));
         assert_eq!((utm.up(DVec3::ZERO), utm.north()), (Some(DVec3::Z), Some(DVec3::Y)));
         // On the equator, and at 45 degrees of geodetic latitude and 90 degrees east.
         let earth = place(Crs::GEOCENTRIC, DVec3::new(6_378_137.0, 0.0, 0.0));
@@ -239,18 +297,37 @@ mod tests {
         assert!(earth.up(at - DVec3::from(earth.offset)).unwrap().angle_between(up).to_degrees() < 0.02);
         assert_eq!(place(Crs::GEOCENTRIC, DVec3::ZERO).up(DVec3::ZERO), None);
         for crs in [2050, 4326, 9999] {
-            assert_eq!((place(Crs(crs), DVec3::ONE).up(DVec3::ONE), place(Crs(crs), DVec3::ONE).north()), (None, None));
+            assert_eq!(
+                (place(epsg(crs), DVec3::ONE).up(DVec3::ONE), place(epsg(crs), DVec3::ONE).north()),
+                (None, None)
+            );
+        }
+    }
+
+    #[test]
+    fn a_plane_at_a_place_has_its_own_up_and_north() {
+        for (text, shown) in
+            [("ENU:52.123456789,-13.5", "ENU:52.123456789,-13.5"), (" enu:-33, 151.2 ", "ENU:-33,151.2")]
+        {
+            let plane: Crs = text.parse().unwrap();
+            assert_eq!((plane.to_string(), Crs::of_definition(text)), (shown.to_owned(), Some(plane)));
+            let place = place(plane, DVec3::ZERO);
+            assert_eq!(
+                (place.up(DVec3::ONE), place.north(), place.doubt(DVec3::ONE)),
+                (Some(DVec3::Z), Some(DVec3::Y), None)
+            );
+            assert!(!plane.is_geographic());
         }
     }
 
     #[test]
     fn places_that_cannot_be_there_are_doubted() {
-        let local = place(Crs(32_633), DVec3::ZERO);
+        let local = place(epsg(32_633), DVec3::ZERO);
         assert_eq!(local.doubt(DVec3::new(4e5, 5.8e6, 80.0)), None);
         let doubt = local.doubt(DVec3::new(-12.0, 30.0, 80.0)).unwrap();
         assert_eq!(doubt, "-12 30 80, and EPSG:32633 has x from 0 to 1000000 and y from 0 to 10000000");
-        assert_eq!(place(Crs(32_633), DVec3::new(4e5, 5.8e6, 0.0)).doubt(DVec3::new(-12.0, 30.0, 80.0)), None);
+        assert_eq!(place(epsg(32_633), DVec3::new(4e5, 5.8e6, 0.0)).doubt(DVec3::new(-12.0, 30.0, 80.0)), None);
         assert!(place(Crs::GEOCENTRIC, DVec3::ZERO).doubt(DVec3::ONE).is_some());
-        assert_eq!(place(Crs(2154), DVec3::ZERO).doubt(DVec3::ONE), None);
+        assert_eq!(place(epsg(2154), DVec3::ZERO).doubt(DVec3::ONE), None);
     }
 }

@@ -21,8 +21,8 @@ pub struct Config {
     pub transfer: Transfer,
     /// The exponent of [`Transfer::Gamma`], 0.2 to 5; none with any other transfer.
     pub gamma: Option<f64>,
-    /// How much smaller images are, each way, than their cameras: 1 to 64. The pixels left over at the edge are cut off, so
-    /// 1617 by 1208 pixels become 808 by 604.
+    /// How much smaller images are, each way, than their cameras: 1 to 64. A side that it does not divide may be rounded down or up:
+    /// 1617 by 1208 pixels become 808 or 809 by 604.
     pub downscale: u32,
     /// How the exposure of each frame is taken into account.
     pub exposure: Exposure,
@@ -225,6 +225,11 @@ impl Decode<'_> {
         let image = images::need(&self.images.join(&frame.name), size)?;
         let mask = self.mask(frame)?.map(|mask| images::mask_need(&mask, size)).transpose()?;
         Ok(image.then(mask.unwrap_or_default()))
+    }
+
+    /// The memory that reading a frame's image takes, where it is the mask whose header is broken; 0 where it is the image's own.
+    pub(crate) fn image_need(&self, frame: &Frame) -> u64 {
+        images::need(&self.images.join(&frame.name), self.size(frame)).map_or(0, |need| need.peak)
     }
 
     /// Reads a frame's image and mask within this many bytes.

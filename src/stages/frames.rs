@@ -53,7 +53,9 @@ impl Frames<'_> {
         let need = match self.decode.patience.with(|| self.decode.need(frame)) {
             Ok(need) => need,
             // What is wrong is found again in the bytes that are read, whose key is remembered.
-            Err(why) if is_broken(&why) => Need { peak: self.decode.bytes(frame) + HEADER, held: 0 },
+            Err(why) if is_broken(&why) => {
+                Need { peak: self.decode.image_need(frame) + self.decode.bytes(frame) + HEADER, held: 0 }
+            }
             Err(why) => return Err((Content::NotRead, not_read(&why))),
         };
         within(need, self.memory, self.budget.total()).map_err(|why| (Content::TooLarge, why))
@@ -77,7 +79,42 @@ fn within(need: Need, memory: u64, limit: u64) -> Result<u64, String> {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
+    use glam::{DVec2, DVec3};
+
     use super::*;
+    use crate::codec::images::{self, Curve};
+    use crate::flow::StopSignal;
+    use crate::scene::camera::{Camera, Lens};
+    use crate::scene::pose::Pose;
+
+    #[test]
+    fn a_broken_mask_is_told_of_and_not_the_memory_that_its_image_takes() {
+        let dir = tempfile::tempdir().unwrap();
+        image::RgbImage::new(800, 600).save(dir.path().join("a.png")).unwrap();
+        image::GrayImage::new(400, 300).save(dir.path().join("a_mask.png")).unwrap();
+        let lens = Lens::pinhole(DVec2::splat(500.0), DVec2::new(400.0, 300.0));
+        let camera = Camera { width: 800, height: 600, lens }.into();
+        let frames = [Frame { name: "a.png".to_owned(), camera, pose: Pose::look_at(DVec3::Z, DVec3::ZERO, DVec3::Y) }];
+        let curve = Curve::new(images::Transfer::Linear);
+        let folder = dir.path();
+        let decode = Decode {
+            frames: &frames,
+            images: folder,
+            masks: Some(folder),
+            downscale: 1,
+            curve,
+            replay: String::new(),
+            patience: Arc::default(),
+        };
+        let (stop, memory) = (StopSignal::new(), 1 << 30);
+        let budget = Budget::new(Bytes(memory), &stop);
+        let stage = Frames { groups: &[], decode: decode.clone(), budget: &budget, memory };
+        let lent = stage.bytes(&frames[0]).unwrap();
+        let why = decode.read(&frames[0], lent).unwrap_err().to_string();
+        assert!(why.contains("a_mask.png: 400 x 300 pixels") && why.contains("the size of its photograph"), "{why}");
+    }
 
     #[test]
     fn a_frame_that_could_never_be_read_says_what_it_takes() {

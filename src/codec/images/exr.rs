@@ -112,6 +112,9 @@ fn chosen(meta: &MetaData) -> Result<(&Layer, String, bool), String> {
         if grey && found.iter().any(|(layer, prefix)| has(layer, &format!("{prefix}RY"))) {
             return Err("it has luminance and chroma (Y, RY and BY), which are not read: write R, G and B".to_owned());
         }
+        if grey && found.iter().any(|(layer, prefix)| ["X", "Z"].iter().all(|c| has(layer, &format!("{prefix}{c}")))) {
+            return Err("it has the colours of CIE (X, Y and Z), which are not read: write R, G and B".to_owned());
+        }
         let plain = found.iter().position(|(_, prefix)| prefix.is_empty());
         match (plain, &found[..]) {
             (Some(at), _) => return Ok((found[at].0, String::new(), grey)),
@@ -201,7 +204,9 @@ fn within(at: usize, offset: i32, side: u32) -> Option<usize> {
 
 fn words(why: Error) -> String {
     match why {
-        Error::Io(why) if why.kind() == std::io::ErrorKind::UnexpectedEof => "the file ends early".to_owned(),
+        Error::Io(why) if why.kind() == std::io::ErrorKind::UnexpectedEof => "it is cut short".to_owned(),
+        // The table of the blocks leads beyond the end of the file.
+        why if why.to_string().ends_with("reference to missing bytes") => "it is cut short".to_owned(),
         why => why.to_string(),
     }
 }

@@ -6,12 +6,14 @@
 //!   are believed only within the size of the camera (65,535 pixels a side if there is none) and the memory that was set
 //!   aside.
 
+mod ended;
 mod exposure;
 mod exr;
 mod hdr;
 mod jpeg;
 mod mask;
 mod need;
+mod other;
 mod png;
 mod read;
 mod size;

@@ -1,13 +1,14 @@
 //! PNG (ISO/IEC 15948): decoded without texts and profiles, which may be longer than the pixels and are not needed.
 //!
 //! Layout (clause 5): a signature of 8 bytes, then chunks: length u32, name of 4 bytes, so many bytes, crc u32; big endian.
-//! The pixels are in chunks IDAT, one after the other.
+//! The pixels are in chunks IDAT, one after the other. The last chunk, IEND, may be missing (`ended`).
 
 use std::io::{self, BufRead, ErrorKind, Read, Seek};
 
 use image::{ColorType, DynamicImage, ImageBuffer};
 use png::{BitDepth, DecodingError, Limits, Reader, Transformations};
 
+use super::ended::Ended;
 use super::need::PNG_METADATA;
 use super::size::Size;
 use crate::base::convert::to_usize;
@@ -21,7 +22,7 @@ const PASSED_OVER: [&[u8; 4]; 4] = [b"tEXt", b"zTXt", b"iTXt", b"iCCP"];
 
 /// A file whose header is read.
 pub(super) struct Header<R: BufRead + Seek> {
-    reader: Reader<R>,
+    reader: Reader<Ended<R>>,
     /// The size of the picture.
     pub size: Size,
     /// The samples that it is decoded to.
@@ -36,7 +37,8 @@ impl<R: BufRead + Seek> Header<R> {
     /// # Errors
     /// The system's; `UnexpectedEof` where the file ends before its pixels; `InvalidData`, in words, for what is damaged, too
     /// many or too long.
-    pub(super) fn read(mut file: R) -> io::Result<Self> {
+    pub(super) fn read(file: R) -> io::Result<Self> {
+        let mut file = Ended::of(file);
         let metadata = metadata(&mut file)?;
         let mut decoder = png::Decoder::new_with_limits(file, Limits { bytes: to_usize(PNG_METADATA) });
         decoder.set_ignore_text_chunk(true);

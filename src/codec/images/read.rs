@@ -12,7 +12,7 @@ use image::{ColorType, DynamicImage, ImageDecoder, ImageFormat, ImageReader, Lim
 use super::need::{Becomes, Need, tiff_values};
 use super::size::Size;
 use super::transfer::Curve;
-use super::{exr, hdr, jpeg, mask, png, tiff};
+use super::{exr, hdr, jpeg, mask, other, png, tiff};
 use crate::base::guard::guarded;
 use crate::base::input::Input;
 use crate::base::key::Key;
@@ -162,8 +162,7 @@ impl<'a, R: BufRead + Seek + 'a> Opened<'a, R> {
         let read = file.by_ref().take(START).read_to_end(&mut start).and_then(|_| file.rewind());
         read.map_err(Error::io("read", path))?;
         let format = if tiff::is_big(&start) { Ok(ImageFormat::Tiff) } else { image::guess_format(&start) };
-        let format =
-            format.map_err(|_| Error::malformed(path, "no image that gonio reads: JPEG, PNG, TIFF, EXR or HDR"))?;
+        let format = format.map_err(|_| Error::malformed(path, other::told(&start)))?;
         let (content, size) = match format {
             ImageFormat::Jpeg => {
                 let header = jpeg::Header::read(&mut file).map_err(|why| unheaded(path, "JPEG", why))?;
@@ -183,7 +182,7 @@ impl<'a, R: BufRead + Seek + 'a> Opened<'a, R> {
                 match format {
                     ImageFormat::Tiff => tiff::check(&mut file).map_err(|why| unheaded(path, "TIFF", why))?,
                     ImageFormat::Hdr => hdr::check(&mut file).map_err(|why| unheaded(path, "HDR", why))?,
-                    _ => {}
+                    _ => return Err(Error::malformed(path, other::told(&start))),
                 }
                 let mut reader = ImageReader::with_format(file, format);
                 // No pixel is decoded yet.
@@ -195,7 +194,11 @@ impl<'a, R: BufRead + Seek + 'a> Opened<'a, R> {
             }
         };
         if let Some(expected) = expected.filter(|&expected| expected != size) {
-            let hint = size.compared(expected).map(|hint| format!(": {hint}")).unwrap_or_default();
+            let compared = || match becomes {
+                Becomes::Color => size.compared(expected),
+                Becomes::Mask => Some("a mask must have the size of its photograph".to_owned()),
+            };
+            let hint = compared().map(|hint| format!(": {hint}")).unwrap_or_default();
             return Err(Error::malformed(path, format!("{size} pixels, where {expected} are expected{hint}")));
         }
         if let Some(why) = size.too_large() {

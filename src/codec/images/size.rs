@@ -27,6 +27,12 @@ impl Size {
         u64::from(self.width) * u64::from(self.height)
     }
 
+    /// Whether an image of this size is `by` times smaller, each way, than that of a camera; programs round sides up or down.
+    pub(crate) fn is_smaller(self, camera: Size, by: u32) -> bool {
+        let close = |small: u32, large: u32| small == large / by.max(1) || small == large.div_ceil(by.max(1));
+        close(self.width, camera.width) && close(self.height, camera.height)
+    }
+
     /// What tells this size of an image from the one that its camera has, if that is plain.
     pub(super) fn compared(self, camera: Size) -> Option<String> {
         if (self.width, self.height) == (camera.height, camera.width) {
@@ -34,13 +40,7 @@ impl Size {
                 "it has been turned; turn it back, since the poses are of the image as it was stored".to_owned(),
             );
         }
-        // Programs round halves in either direction.
-        let times = |small: Size, large: Size| {
-            (2..=64u32).find(|&k| {
-                let close = |small: u32, large: u32| small == large / k || small == large.div_ceil(k);
-                close(small.width, large.width) && close(small.height, large.height)
-            })
-        };
+        let times = |small: Size, large: Size| (2..=64u32).find(|&k| small.is_smaller(large, k));
         let smaller = times(self, camera).map(|k| format!("it is {k} times smaller each way; see [decode] downscale"));
         let larger = || {
             let times = times(camera, self)?;

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use super::format::MeshFormat;
 use super::gltf::GLTF;
+use super::lines::BOM;
 use super::obj::OBJ;
 use super::off::OFF;
 use super::ply::{self, PLY};
@@ -40,6 +41,9 @@ pub(crate) fn look(path: &Path) -> Result<()> {
 pub(super) fn chosen(formats: &[&'static MeshFormat], file: &mut Input) -> Result<&'static MeshFormat> {
     let path = file.path().to_owned();
     let start = start(file).map_err(Error::io("read", &path))?;
+    if let [0xff, 0xfe, _, 0, ..] | [0xfe, 0xff, 0, _, ..] = start[..] {
+        return Err(Error::malformed(path, "it is text in UTF-16: save it as UTF-8"));
+    }
     let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
     let named = |format: &MeshFormat| format.endings.iter().any(|known| ending == *known);
     let found =
@@ -47,11 +51,12 @@ pub(super) fn chosen(formats: &[&'static MeshFormat], file: &mut Input) -> Resul
     found.copied().ok_or_else(|| Error::malformed(path, format!("not a mesh that gonio reads: {}", known(formats))))
 }
 
-/// The start of a file.
+/// The start of a file, without a byte-order mark.
 fn start(file: &mut Input) -> io::Result<Vec<u8>> {
     let mut start = Vec::new();
     file.rewind()?;
-    file.take(START).read_to_end(&mut start).map(|_| start)
+    file.take(START).read_to_end(&mut start)?;
+    Ok(start.strip_prefix(BOM).map_or_else(|| start.clone(), <[u8]>::to_vec))
 }
 
 /// The formats with the endings of their files.

@@ -17,4 +17,5 @@ mod tests;
 
 pub use files::read;
 pub(crate) use files::{MeshFiles, sample};
+pub(in crate::codec) use lines::line_end;
 pub(crate) use list::{is_named, look};

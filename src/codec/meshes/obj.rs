@@ -2,7 +2,7 @@
 //!
 //! - `v x y z`; what follows (w, a colour) is passed over. `f` with corners `v`, `v/vt`, `v//vn` or `v/vt/vn`. Indices count
 //!   from 1, through the whole file; negative ones count back from the last vertex above the face.
-//! - All objects and groups are one mesh. A face of n corners becomes n - 2 triangles.
+//! - All objects and groups are one mesh. A face of n corners becomes n - 2 triangles; one of fewer than three is passed over.
 //! - A backslash at the end of a line continues it, but for a comment. Every other statement (normals, materials, lines) is
 //!   passed over, and so is a byte-order mark before the first. Lines end in LF, CR LF, or CR alone.
 
@@ -12,7 +12,7 @@ use std::path::Path;
 use glam::DVec3;
 
 use super::format::{MeshFormat, alone};
-use super::lines::line_end;
+use super::lines::{BOM, line_end};
 use crate::base::input::Input;
 use crate::base::{Error, Result};
 use crate::scene::survey::Polygons;
@@ -20,9 +20,6 @@ use crate::scene::survey::Polygons;
 /// Wavefront OBJ. Any text may begin such a file: its name decides.
 pub(crate) const OBJ: MeshFormat =
     MeshFormat { name: "OBJ", endings: &["obj"], begins: |_| false, beside: alone, tell };
-
-/// The byte-order mark of UTF-8, as editors write it.
-const BOM: &[u8] = b"\xef\xbb\xbf";
 
 /// The most bytes of a statement: a file of another format must not be gathered as one line.
 const LONGEST: u64 = 1 << 20;
@@ -69,11 +66,8 @@ impl Told<'_> {
             let word = words.next().ok_or_else(|| format!("vertex {at} has fewer than three coordinates"))?;
             *value = word.parse().map_err(|_| format!("vertex {at}: {:?} is not a number", shortened(word)))?;
         }
-        let vertex = DVec3::from(xyz);
-        if !vertex.is_finite() {
-            return Err(format!("vertex {at} is {vertex}: coordinates must be finite"));
-        }
-        self.to.vertex(vertex);
+        // One that is not finite is a fault where a face uses it.
+        self.to.vertex(DVec3::from(xyz));
         self.vertices += 1;
         Ok(())
     }
@@ -89,10 +83,10 @@ impl Told<'_> {
             }
             self.corners.push(index);
         }
-        if self.corners.len() < 3 {
-            return Err(format!("face {face} has fewer than three corners"));
+        // A point or an edge has no surface: programs leave them behind, and pass over them.
+        if self.corners.len() >= 3 {
+            self.to.polygon(&self.corners);
         }
-        self.to.polygon(&self.corners);
         Ok(())
     }
 
@@ -232,9 +226,13 @@ mod tests {
             format!("f 1 2 3 4\n{SQUARE}"),
             format!("{SQUARE}f 1 2 3 4").replace('\n', "\r"),
             format!("v 0 0 0 # C:\\\n{}f 1 2 3 4", &SQUARE[8..]),
+            format!("{SQUARE}f 1 2\nf 1 2 3 4\nf 3\n"),
         ] {
             assert_eq!(read_text(text.as_bytes()).unwrap(), square, "{text:?}");
         }
+        // A vertex that no face uses may be anything.
+        let odd = read_text(format!("{SQUARE}v nan inf 0\nf 1 2 3 4").as_bytes()).unwrap();
+        assert_eq!((odd.origin, &odd.triangles), (square.origin, &square.triangles));
     }
 
     #[test]
@@ -242,9 +240,10 @@ mod tests {
         for (text, words) in [
             ("v 0 0\n", "line 1: vertex 0 has fewer than three coordinates"),
             ("v 0 0 zero\n", "line 1: vertex 0: \"zero\" is not a number"),
-            ("v 0 0 0\nv 0 inf 0\n", "line 2: vertex 1 is"),
-            ("v 0 0 0\nv 0 NaN 0\n", "line 2: vertex 1 is"),
-            ("v 0 0 0\nf 1 1\n", "line 2: face 0 has fewer than three corners"),
+            ("v 0 0 0\nv 0 inf 0\nf 1 1 2\n", "vertex 1 is"),
+            ("v 0 0 0\nv 0 NaN 0\nf 1 1 2\n", "vertex 1 is"),
+            ("v 0 0 0\nf 1 1\nf 1\n", "no faces"),
+            ("v 0 0 0\nf 1 2\n", "line 2: face 0: refers to vertex 2"),
             ("v 0 0 0\nf 0 1 1\n", "line 2: face 0: refers to vertex 0, but there are 1"),
             ("f 1 1 9\nf 1 1 8\nv 0 0 0\n", "line 1: face 0: refers to vertex 9, but there are 1, counted from 1"),
             ("v 0 0 0\nf 1 1 2\n", "line 2: face 0: refers to vertex 2"),

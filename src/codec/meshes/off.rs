@@ -7,7 +7,7 @@
 //! n i j k .. colours           for each face, indices counted from 0
 //! ```
 //!
-//! Lines that begin with `#` are comments. A face of n corners becomes a fan of n - 2 triangles around its first corner.
+//! What follows `#` is a comment. A face of n corners becomes n - 2 triangles; one of fewer than three is passed over.
 
 use std::io::{BufRead, BufReader};
 use std::path::Path;
@@ -29,7 +29,11 @@ const TYPES: [&str; 8] = ["OFF", "COFF", "NOFF", "CNOFF", "STOFF", "STCOFF", "ST
 
 fn begins(start: &[u8]) -> bool {
     let text = String::from_utf8_lossy(start);
-    text.split_ascii_whitespace().next().is_some_and(|word| TYPES.contains(&word))
+    text.split_ascii_whitespace().next().is_some_and(is_type)
+}
+
+fn is_type(word: &str) -> bool {
+    TYPES.iter().any(|known| word.eq_ignore_ascii_case(known))
 }
 
 fn tell(file: &mut Input, to: &mut dyn Polygons) -> Result<()> {
@@ -38,7 +42,7 @@ fn tell(file: &mut Input, to: &mut dyn Polygons) -> Result<()> {
     let head = words.next("the head")?;
     let mut counts: Vec<String> = head.split_ascii_whitespace().map(str::to_owned).collect();
     match counts.first().map(String::as_str) {
-        Some(kind) if TYPES.contains(&kind) => drop(counts.remove(0)),
+        Some(kind) if is_type(kind) => drop(counts.remove(0)),
         other => return Err(words.fault(format!("it begins with {}; OFF is needed", shown(other.unwrap_or_default())))),
     }
     if counts.iter().any(|word| word.eq_ignore_ascii_case("binary")) {
@@ -53,11 +57,10 @@ fn tell(file: &mut Input, to: &mut dyn Polygons) -> Result<()> {
     for at in 0..vertices {
         let text = words.next("a vertex")?;
         let mut numbers = text.split_ascii_whitespace().map(str::parse::<f64>);
-        let mut next = || numbers.next().and_then(Result::ok).filter(|value| value.is_finite());
+        let mut next = || numbers.next().and_then(Result::ok);
+        // One that is not finite is a fault where a face uses it.
         let (Some(x), Some(y), Some(z)) = (next(), next(), next()) else {
-            return Err(
-                words.fault(format!("vertex {at} is {}; three finite coordinates are needed", shown(text.trim())))
-            );
+            return Err(words.fault(format!("vertex {at} is {}; three coordinates are needed", shown(text.trim()))));
         };
         to.vertex(DVec3::new(x, y, z));
     }
@@ -71,8 +74,9 @@ fn tell(file: &mut Input, to: &mut dyn Polygons) -> Result<()> {
 /// Tells the triangles of a face.
 fn face(text: &str, vertices: u64, to: &mut dyn Polygons) -> Result<(), String> {
     let mut words = text.split_ascii_whitespace();
-    let corners = words.next().and_then(|word| word.parse::<u64>().ok()).filter(|corners| *corners >= 3);
-    let corners = corners.ok_or_else(|| format!("it is {}; three corners or more are needed", shown(text.trim())))?;
+    let corners = words.next().and_then(|word| word.parse::<u64>().ok());
+    let corners =
+        corners.ok_or_else(|| format!("it is {}; the number of its corners is needed", shown(text.trim())))?;
     let mut corner = || {
         let word = words.next().ok_or_else(|| format!("it has fewer than its {corners} corners"))?;
         let index =
@@ -81,7 +85,10 @@ fn face(text: &str, vertices: u64, to: &mut dyn Polygons) -> Result<(), String> 
     };
     // A line bounds how many corners there are.
     let corners = (0..corners).map(|_| corner()).collect::<Result<Vec<u32>, String>>()?;
-    to.polygon(&corners);
+    // A point or an edge has no surface: programs leave them behind, and pass over them.
+    if corners.len() >= 3 {
+        to.polygon(&corners);
+    }
     Ok(())
 }
 

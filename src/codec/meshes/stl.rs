@@ -5,8 +5,8 @@
 //! text     solid ..; each facet normal .. outer loop, vertex x y z three times, endloop endfacet
 //! ```
 //!
-//! A file has no shared vertices, so corners at the very same place become one. Normals are passed over. A binary file may
-//! begin with `solid`: its length tells it.
+//! A file has no shared vertices, so corners at the very same place become one. Normals are passed over, and so is what follows the
+//! triangles of a binary file. A binary file may begin with `solid`: its length tells it, or a byte 0, which no text has.
 
 use std::collections::HashMap;
 use std::io::{BufReader, Read};
@@ -14,15 +14,24 @@ use std::io::{BufReader, Read};
 use glam::DVec3;
 
 use super::format::{MeshFormat, alone};
-use super::lines::Lines;
+use super::lines::{BOM, Lines};
 use crate::base::input::Input;
 use crate::base::shown::shown;
 use crate::base::{Error, Result};
 use crate::scene::survey::Polygons;
 
 /// STL.
-pub(crate) const STL: MeshFormat =
-    MeshFormat { name: "STL", endings: &["stl"], begins: |start| start.starts_with(b"solid "), beside: alone, tell };
+pub(crate) const STL: MeshFormat = MeshFormat { name: "STL", endings: &["stl"], begins, beside: alone, tell };
+
+fn begins(start: &[u8]) -> bool {
+    matches!(start.split_at_checked(5), Some((word, [b' ' | b'\t', ..])) if word.eq_ignore_ascii_case(b"solid"))
+}
+
+/// Whether a file that begins so is text: 84 bytes, or all that it has.
+fn is_text(head: &[u8]) -> bool {
+    let start = head.strip_prefix(BOM).unwrap_or(head).trim_ascii_start();
+    start.get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid")) && !head.contains(&0)
+}
 
 /// The bytes before the triangles of a binary file, and those of a triangle.
 const HEAD: u64 = 84;
@@ -37,7 +46,7 @@ fn tell(file: &mut Input, to: &mut dyn Polygons) -> Result<()> {
     let whole = |count: u64| HEAD + count * TRIANGLE as u64;
     let mut welded = Welded { to, known: HashMap::new() };
     match count.filter(|_| head.len() as u64 == HEAD) {
-        Some(count) if whole(count) == length => {
+        Some(count) if whole(count) == length || (count > 0 && whole(count) < length && !is_text(&head)) => {
             for _ in 0..count {
                 let mut bytes = [0; TRIANGLE];
                 reader.read_exact(&mut bytes).map_err(Error::io("read", &path))?;
@@ -48,7 +57,7 @@ fn tell(file: &mut Input, to: &mut dyn Polygons) -> Result<()> {
             }
             Ok(())
         }
-        _ if head.trim_ascii_start().starts_with(b"solid") => {
+        _ if is_text(&head) => {
             let start = std::io::Cursor::new(head).chain(reader);
             let mut lines = Lines::of(BufReader::new(start));
             text(&mut lines, &mut welded, &path)

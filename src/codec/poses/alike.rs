@@ -31,7 +31,8 @@ impl Alike {
 
     /// What two names that are alike in this way have in common.
     fn key(self, name: &str) -> String {
-        let folded: String = name.nfc().flat_map(char::to_lowercase).nfc().collect();
+        // Archives of Windows leave backslashes in names, where other systems do not take them for folders.
+        let folded = folded(name).replace('\\', "/");
         let file = folded.rsplit('/').next().unwrap_or_default();
         match self {
             Alike::Letters => folded,
@@ -39,6 +40,11 @@ impl Alike {
             Alike::Stem => file.rsplit_once('.').map_or(file, |(stem, _)| stem).to_owned(),
         }
     }
+}
+
+/// A name in lower case, its letters with marks composed.
+pub(super) fn folded(name: &str) -> String {
+    name.nfc().flat_map(char::to_lowercase).nfc().collect()
 }
 
 /// The files that names stand for, all in the same way: by the first of [`Alike`] in which more than none can be told, each name
@@ -61,6 +67,18 @@ pub(crate) fn resolve<'a>(names: &[&str], files: &'a [String]) -> Option<(Alike,
     })
 }
 
+/// A name for which one of several files is meant, with two of these.
+pub(crate) fn in_doubt<'a>(names: &[&'a str], files: &'a [String]) -> Option<(&'a str, [&'a str; 2])> {
+    Alike::ALL.into_iter().find_map(|alike| {
+        let mut by_key: BTreeMap<String, Vec<&str>> = BTreeMap::new();
+        files.iter().for_each(|file| by_key.entry(alike.key(file)).or_default().push(file));
+        names.iter().find_map(|name| match by_key.get(&alike.key(name)).map(Vec::as_slice) {
+            Some(&[one, other, ..]) => Some((*name, [one, other])),
+            _ => None,
+        })
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -80,6 +98,7 @@ mod tests {
             (&["cam/a.jpg", "cam/b.jpg"], &["a.jpg", "c.jpg"], Alike::FileName, vec![some("a.jpg"), None]),
             (&["a.jpg"], &["cam/a.jpg", "cam/b.jpg"], Alike::FileName, vec![some("cam/a.jpg")]),
             (&["C:/scan/a.tif"], &["undistorted/A.png"], Alike::Stem, vec![some("undistorted/A.png")]),
+            (&["cam/a.jpg"], &["cam\\a.jpg"], Alike::Letters, vec![some("cam\\a.jpg")]),
             (&["a"], &["a.png"], Alike::Stem, vec![some("a.png")]),
         ] {
             assert_eq!(resolved(names, files), Some((alike, found)), "{names:?}");
@@ -98,5 +117,8 @@ mod tests {
         ] {
             assert_eq!(resolved(names, files), None, "{names:?}");
         }
+        let files = ["two/a.jpg", "one/A.jpg", "b.jpg"].map(str::to_owned);
+        assert_eq!(in_doubt(&["b.jpg", "a.jpg"], &files), Some(("a.jpg", ["two/a.jpg", "one/A.jpg"])));
+        assert_eq!(in_doubt(&["b.jpg", "c.jpg"], &files), None);
     }
 }

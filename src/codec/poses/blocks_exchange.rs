@@ -3,6 +3,8 @@
 //!
 //! - A photogroup has a lens; a photo has a rotation, world-to-camera by rows, and a centre. `CameraOrientation` says which
 //!   way the camera's x and y lead; XRightYDown, which is ours, where nothing is said.
+//! - `SRSId` of the block names the system of its coordinates, one of `SpatialReferenceSystems`: `EPSG:n`, well-known text, or
+//!   `ENU:latitude,longitude` for a plane at a place.
 //! - `PrincipalPoint` is in pixels from the corner. P1 and P2 are exchanged against OpenCV's.
 
 use std::path::{Path, PathBuf};
@@ -18,6 +20,7 @@ use crate::base::shown::shown;
 use crate::base::{Error, Result};
 use crate::scene::camera::{Camera, Distortion, Lens, Projection};
 use crate::scene::frame::Frame;
+use crate::scene::georeference::{Crs, Georeference};
 use crate::scene::pose::Pose;
 
 /// ContextCapture's blocks.
@@ -26,16 +29,18 @@ pub(crate) const BLOCKS_EXCHANGE: PoseFormat = PoseFormat {
     programs: "ContextCapture, iTwin Capture",
     target: Target::Either,
     advice: "name the BlocksExchange .xml file",
-    is_at: |path| {
-        let is = |file: PathBuf| String::from_utf8_lossy(&whole::start(&file, 4096)).contains("<BlocksExchange");
-        file(path).is_some_and(is)
-    },
+    is_at: |path| file(path).is_some_and(|file| is_one(&file)),
     missing: |path| found::missing(path, file(path).is_some(), "must be a BlocksExchange .xml file or hold blocks.xml"),
     read,
 };
 
 fn file(path: &Path) -> Option<PathBuf> {
-    found::named(path, &["blocks.xml", "BlocksExchange.xml"])
+    let other = || found::told(path, &[".xml"], is_one).filter(|file| is_one(file));
+    found::named(path, &["blocks.xml", "BlocksExchange.xml"]).or_else(other)
+}
+
+fn is_one(file: &Path) -> bool {
+    whole::start_text(file, 4096).contains("<BlocksExchange")
 }
 
 fn read(path: &Path, photographs: &dyn Photographs) -> Result<Posed> {
@@ -65,9 +70,32 @@ fn read(path: &Path, photographs: &dyn Photographs) -> Result<Posed> {
             frames.push(Frame { name, camera: shared, pose });
         }
     }
-    let srs = xml::all(document.root_element(), "SRSId").next().and_then(|node| node.text());
-    let notes = srs.filter(|id| id.trim() != "0").map(|id| format!("coordinates are of the file's SRS {}", shown(id)));
-    Ok(Posed { frames, unposed, notes: notes.into_iter().collect(), ..Posed::default() })
+    let (georeference, note) = system(document.root_element()).map_err(fault)?;
+    Ok(Posed { frames, unposed, georeference, notes: note.into_iter().collect() })
+}
+
+/// Where on the earth the block lies, as the system of its coordinates says, or what is told of a system that is not known here;
+/// neither where it names none, or one that is of nowhere.
+///
+/// # Errors
+/// In words: coordinates in degrees.
+fn system(root: Node<'_, '_>) -> Result<(Option<Georeference>, Option<String>), String> {
+    let block = xml::child(root, "Block").unwrap_or(root);
+    let id = xml::text(block, "SRSId").unwrap_or_default();
+    let described = xml::all(root, "SRS").find(|srs| xml::text(*srs, "Id") == Some(id));
+    let definition = described.and_then(|srs| xml::text(srs, "Definition")).unwrap_or("Local");
+    match definition.parse().ok().or_else(|| Crs::of_definition(definition)) {
+        Some(crs) if crs.is_geographic() => Err(format!(
+            "its coordinates are of SRS {} ({crs}), in degrees, which no mesh has: export the block in the system of the mesh",
+            shown(id)
+        )),
+        Some(crs) => Ok((Some(Georeference { crs: Some(crs), offset: [0.0; 3] }), None)),
+        None if definition.starts_with("LOCAL_CS") || definition == "Local" => Ok((None, None)),
+        None => {
+            let (id, definition) = (shown(id), shown(definition));
+            Ok((None, Some(format!("coordinates are of the file's SRS {id}, {definition}, which is not known here"))))
+        }
+    }
 }
 
 /// From the axes of a photogroup's cameras to ours.

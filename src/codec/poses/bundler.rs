@@ -31,7 +31,7 @@ pub(crate) const BUNDLER: PoseFormat = PoseFormat {
     programs: "Bundler, and many that export to it",
     target: Target::Either,
     advice: "name bundle.out or the folder that holds it, with list.txt beside it",
-    is_at: |path| file(path).is_some_and(|file| whole::start(&file, 64).starts_with(b"# Bundle file")),
+    is_at: |path| file(path).is_some_and(|file| whole::start_text(&file, 64).starts_with("# Bundle file")),
     missing: |path| found::missing(path, file(path).is_some(), "must be bundle.out or hold it"),
     read,
 };

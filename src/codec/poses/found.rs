@@ -28,6 +28,20 @@ pub(super) fn ending(path: &Path, endings: &[&str]) -> Vec<PathBuf> {
     found
 }
 
+/// The most files of a folder that are looked into for the one of a format.
+const LOOKED_INTO: usize = 64;
+
+/// The file of a format at a path that is not named as it usually is: the path itself, or the first below it whose name ends so and
+/// that `is` of the format; where none is, the first whose name ends so.
+pub(super) fn told(path: &Path, endings: &[&str], is: impl Fn(&Path) -> bool) -> Option<PathBuf> {
+    if path.is_file() {
+        return Some(path.to_owned());
+    }
+    let all = ending(path, endings);
+    let found = all.iter().take(LOOKED_INTO).find(|file| is(file)).cloned();
+    found.or_else(|| all.into_iter().next())
+}
+
 /// What is missing where `there` is false; a path that leads to nothing is another fault.
 pub(super) fn missing(path: &Path, there: bool, rule: &'static str) -> Option<Missing> {
     (path.exists() && !there).then_some(Missing { rule, instead: None })

@@ -14,9 +14,7 @@ use crate::base::{Error, Result};
 /// # Errors
 /// A file that cannot be read; what is no JSON, or not of the type, with line and column.
 pub(super) fn read<T: DeserializeOwned>(path: &Path) -> Result<T> {
-    let bytes = whole::bytes(path)?;
-    let json = bytes.strip_prefix("\u{feff}".as_bytes()).unwrap_or(&bytes);
-    serde_json::from_slice(json).map_err(|why| Error::malformed(path, brief(&why)))
+    serde_json::from_str(&whole::text(path)?).map_err(|why| Error::malformed(path, brief(&why)))
 }
 
 /// A finite number, written as a number or as a string of one.

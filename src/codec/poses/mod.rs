@@ -35,7 +35,7 @@ mod whole;
 mod words;
 mod xml;
 
-pub(crate) use alike::{Alike, resolve};
+pub(crate) use alike::{Alike, in_doubt, resolve};
 pub use colmap::COLMAP;
 pub use format::PoseFormat;
 pub(crate) use format::{Posed, Target};

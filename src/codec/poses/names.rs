@@ -1,9 +1,10 @@
 //! The names that frames get from the names that files of others give: paths of another machine, with either slash, with or
-//! without an ending. A name becomes that of the one photograph that fits it best; where there is none, the part below the
-//! folder that all names share.
+//! without an ending. A name becomes that of the one photograph that fits it best, in its own letters before any others; where there
+//! is none, the part below the folder that all names share.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
+use super::alike::folded;
 use super::photographs::Photographs;
 use crate::base::{Error, Result};
 
@@ -13,12 +14,39 @@ use crate::base::{Error, Result};
 /// A name that fits several photographs equally well; photographs that cannot be listed.
 pub(super) fn settled(written: &[String], photographs: &dyn Photographs) -> Result<Vec<String>> {
     let plain: Vec<String> = written.iter().map(|name| plain(name)).collect();
-    let known = Known::of(photographs.names()?);
-    let found: Vec<Option<&str>> =
+    let there = photographs.names()?;
+    let known = Known::of(there);
+    let mut found: Vec<Option<&str>> =
         plain.iter().map(|name| known.find(name)).collect::<Result<_, String>>().map_err(Error::invalid)?;
+    if found.contains(&None) {
+        in_other_letters(&plain, there, &mut found).map_err(Error::invalid)?;
+    }
     let shared = shared(&plain);
     let below = |name: &str| name[shared..].to_owned();
     Ok(plain.iter().zip(found).map(|(name, found)| found.map_or_else(|| below(name), str::to_owned)).collect())
+}
+
+/// Finds what has not been found among the photographs that no name has, without regard to upper and lower case and to how letters
+/// with marks are composed.
+fn in_other_letters<'a>(plain: &[String], there: &'a [String], found: &mut [Option<&'a str>]) -> Result<(), String> {
+    let taken: HashSet<&str> = found.iter().copied().flatten().collect();
+    let left: Vec<&str> = there.iter().map(String::as_str).filter(|name| !taken.contains(name)).collect();
+    let letters: Vec<String> = left.iter().map(|name| folded(name)).collect();
+    let known = Known::of(&letters);
+    // Of two photographs whose names differ in nothing else, neither is meant more than the other.
+    let at: HashMap<&str, usize> = letters.iter().enumerate().map(|(at, name)| (name.as_str(), at)).collect();
+    for (name, found) in plain.iter().zip(found).filter(|(_, found)| found.is_none()) {
+        let fitting = known.find(&folded(name)).map_err(|_| in_doubt(name, &left))?;
+        *found = fitting.and_then(|name| at.get(name)).map(|at| left[*at]);
+    }
+    Ok(())
+}
+
+/// What is said of a name that fits several photographs in other letters.
+fn in_doubt(name: &str, there: &[&str]) -> String {
+    let stem = |name: &str| last(without_ending(&folded(name))).to_owned();
+    let fitting: Vec<&str> = there.iter().copied().filter(|other| stem(other) == stem(name)).take(2).collect();
+    format!("image {name} may be {}: name it in the letters of one of them, by its folder too", fitting.join(" or "))
 }
 
 /// A path with `/` between folders, without drive, `.`, and whatever stands before the last `..`.
@@ -137,6 +165,17 @@ mod tests {
         ] {
             assert_eq!(settle(&[written], &there).unwrap(), [name], "{written}");
         }
+        // In other letters, but what is there to the letter goes first.
+        let other = ["B.jpg", "b.jpg", "M\u{e4}rz/IMG_1.JPG"];
+        for (written, names) in [
+            (["b.jpg", "X/B.JPG"], ["b.jpg", "B.jpg"]),
+            (["ma\u{308}rz/img_1.jpg", "b.jpg"], ["M\u{e4}rz/IMG_1.JPG", "b.jpg"]),
+            (["C:\\IMG_1", "b.jpg"], ["M\u{e4}rz/IMG_1.JPG", "b.jpg"]),
+        ] {
+            assert_eq!(settle(&written, &other).unwrap(), names);
+        }
+        let why = settle(&["A.JPG"], &["a.jpg", "a.Jpg"]).unwrap_err();
+        assert!(why.contains("image A.JPG may be a.jpg or a.Jpg"), "{why}");
         let why = settle(&["b.JPG"], &there).unwrap_err();
         assert!(why.contains("image b.JPG may be east/b.JPG or west/b.JPG"), "{why}");
     }

@@ -31,13 +31,17 @@ pub(crate) const NVM: PoseFormat = PoseFormat {
     programs: "VisualSFM",
     target: Target::Either,
     advice: "name the .nvm file or the folder that holds it",
-    is_at: |path| file(path).is_some_and(|file| whole::start(&file, 8).starts_with(b"NVM_V")),
+    is_at: |path| file(path).is_some_and(|file| is_one(&file)),
     missing: |path| found::missing(path, file(path).is_some(), "must be an .nvm file or hold one"),
     read,
 };
 
 fn file(path: &Path) -> Option<PathBuf> {
-    if path.is_file() { Some(path.to_owned()) } else { found::ending(path, &[".nvm"]).into_iter().next() }
+    found::told(path, &[".nvm"], is_one)
+}
+
+fn is_one(file: &Path) -> bool {
+    whole::start_text(file, 16).starts_with("NVM_V")
 }
 
 /// A camera as its line has it.
@@ -92,7 +96,7 @@ impl Line<'_> {
 
 /// The cameras of the first model.
 fn lines(text: &str) -> Result<(Fixed, Vec<Line<'_>>), String> {
-    let mut words = Words::of(text);
+    let mut words = Words::without_comments(text);
     let head = words.line().unwrap_or_default();
     let rest = match head.split_once(char::is_whitespace).unwrap_or((head, "")) {
         ("NVM_V3", rest) => rest.trim(),

@@ -16,10 +16,11 @@ pub trait Photographs {
     /// A folder that cannot be read.
     fn names(&self) -> Result<&[String]>;
 
-    /// The size of a photograph, by its header.
+    /// The size of a photograph, by its header. One that is not there, or whose header is broken, has that of the first whose header is
+    /// whole: it is told of and skipped when it is read, and so are pixels of another size than was said.
     ///
     /// # Errors
-    /// A photograph that is not there or cannot be read.
+    /// A photograph whose header cannot be read, where no other's can.
     fn size(&self, name: &str) -> Result<Size>;
 }
 
@@ -32,12 +33,14 @@ const DEEPEST: usize = 16;
 pub struct PhotographFolder {
     path: PathBuf,
     names: OnceCell<Vec<String>>,
+    /// The size of the first photograph that has one.
+    usual: OnceCell<Option<Size>>,
 }
 
 impl PhotographFolder {
     /// The photographs in a folder, which is looked at when a format asks.
     pub fn new(path: &Path) -> Self {
-        PhotographFolder { path: path.to_owned(), names: OnceCell::new() }
+        PhotographFolder { path: path.to_owned(), names: OnceCell::new(), usual: OnceCell::new() }
     }
 }
 
@@ -57,7 +60,19 @@ impl Photographs for PhotographFolder {
 
     fn size(&self, name: &str) -> Result<Size> {
         let size = images::size(&self.path.join(name));
-        size.map_err(|why| why.doing("read an image's size, which the poses do not say"))
+        size.or_else(|why| self.usual()?.ok_or(why))
+            .map_err(|why| why.doing("read an image's size, which the poses do not say"))
+    }
+}
+
+impl PhotographFolder {
+    /// The size of the first photograph that has one.
+    fn usual(&self) -> Result<Option<Size>> {
+        if let Some(usual) = self.usual.get() {
+            return Ok(*usual);
+        }
+        let found = self.names()?.iter().find_map(|name| images::size(&self.path.join(name)).ok());
+        Ok(*self.usual.get_or_init(|| found))
     }
 }
 
@@ -114,6 +129,21 @@ mod tests {
         assert!(PhotographFolder::new(&dir.path().join("nowhere")).names().unwrap().is_empty());
         let why = NoPhotographs.size("a.jpg").unwrap_err().to_string();
         assert!(why.contains("a.jpg") && why.contains("name the folder"), "{why}");
+    }
+
+    #[test]
+    fn a_photograph_that_is_not_there_has_the_size_of_those_that_are() {
+        let dir = tempfile::tempdir().unwrap();
+        fs::write(dir.path().join("a.png"), "no picture").unwrap();
+        let of = |name: &str| PhotographFolder::new(dir.path()).size(name);
+        for name in ["a.png", "gone.png"] {
+            let why = of(name).unwrap_err().to_string();
+            assert!(why.contains("which the poses do not say") && why.contains(name), "{why}");
+        }
+        image::RgbImage::new(8, 6).save(dir.path().join("b.png")).unwrap();
+        for name in ["a.png", "b.png", "gone.png"] {
+            assert_eq!(of(name).unwrap(), Size { width: 8, height: 6 }, "{name}");
+        }
     }
 
     #[cfg(unix)]

@@ -35,7 +35,7 @@ pub(crate) const PIX4D: PoseFormat = PoseFormat {
     target: Target::Either,
     advice: "name *_calibrated_camera_parameters.txt or the folder that holds it (1_initial/params)",
     is_at: |path| {
-        let is = |file: PathBuf| whole::start(&file, 64).starts_with(b"fileName imageWidth imageHeight");
+        let is = |file: PathBuf| whole::start_text(&file, 128).starts_with("fileName imageWidth imageHeight");
         file(path).is_some_and(is)
     },
     missing: |path| found::missing(path, file(path).is_some(), "must hold *_calibrated_camera_parameters.txt"),
@@ -76,7 +76,7 @@ struct Shot {
 
 /// The images of a file.
 fn shots(text: &str) -> Result<Vec<Shot>, String> {
-    let mut words = Words::of(text);
+    let mut words = Words::without_comments(text);
     let mut head = words.line().unwrap_or_default();
     if !head.starts_with("fileName imageWidth imageHeight") {
         return Err(format!("it begins with {}; fileName imageWidth imageHeight is needed", shown(head)));

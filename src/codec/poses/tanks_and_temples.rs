@@ -28,18 +28,18 @@ pub(crate) const TANKS_AND_TEMPLES: PoseFormat = PoseFormat {
     programs: "Tanks and Temples, Open3D",
     target: Target::Either,
     advice: "name the .log file or the folder that holds it, with cameras.txt beside it",
-    is_at: |path| file(path).is_some_and(|file| begins_so(&whole::start(&file, 1024))),
+    is_at: |path| file(path).is_some_and(|file| is_one(&file)),
     missing: |path| found::missing(path, file(path).is_some(), "must be a .log file or hold one"),
     read,
 };
 
 fn file(path: &Path) -> Option<PathBuf> {
-    if path.is_file() { Some(path.to_owned()) } else { found::ending(path, &[".log"]).into_iter().next() }
+    found::told(path, &[".log"], is_one)
 }
 
 /// Whether a file begins with three whole numbers and 16 others.
-fn begins_so(start: &[u8]) -> bool {
-    let text = String::from_utf8_lossy(start);
+fn is_one(file: &Path) -> bool {
+    let text = whole::start_text(file, 1024);
     let mut words = Words::of(&text);
     let head = words.line().unwrap_or_default().split_ascii_whitespace().map(str::parse::<i64>);
     head.filter(Result::is_ok).count() == 3 && words.numbers::<12>("a matrix").is_ok()

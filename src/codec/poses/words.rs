@@ -10,12 +10,18 @@ pub(super) struct Words<'a> {
     lines: std::iter::Enumerate<std::str::Lines<'a>>,
     words: std::str::SplitAsciiWhitespace<'a>,
     line: usize,
+    comments: bool,
 }
 
 impl<'a> Words<'a> {
     /// All words of a text. Lines that begin with `#` are comments.
     pub(super) fn of(text: &'a str) -> Self {
-        Words { lines: text.lines().enumerate(), words: "".split_ascii_whitespace(), line: 0 }
+        Words { lines: text.lines().enumerate(), words: "".split_ascii_whitespace(), line: 0, comments: true }
+    }
+
+    /// All words of a text that has no comments: a line may begin with a name, and a name with `#`.
+    pub(super) fn without_comments(text: &'a str) -> Self {
+        Words { comments: false, ..Words::of(text) }
     }
 
     /// The next word, of this line or a later one.
@@ -35,7 +41,7 @@ impl<'a> Words<'a> {
             let (at, line) = self.lines.next()?;
             self.line = at + 1;
             let line = line.trim();
-            if !line.is_empty() && !line.starts_with('#') {
+            if !(line.is_empty() || self.comments && line.starts_with('#')) {
                 return Some(line);
             }
         }

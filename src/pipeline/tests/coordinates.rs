@@ -54,7 +54,7 @@ fn geocentric_coordinates_have_their_own_up_and_north() {
 fn what_is_no_system_of_metres_is_refused() {
     let dir = scene();
     for (set, words) in [
-        ("scene.crs=nowhere", "as \"EPSG:32633\", or a zone, as \"UTM 33N\""),
+        ("scene.crs=nowhere", "as \"EPSG:32633\", a zone, as \"UTM 33N\", or a plane"),
         ("scene.crs=4326", "this system has degrees"),
         ("scene.crs=[1]", "must be a string"),
         ("scene.offset=[1, 2]", "must be a list of 3 numbers"),

@@ -49,7 +49,11 @@ impl Camera {
     /// The same camera with images `by` times smaller along each side. A side that `by` does not divide loses its last
     /// pixels; the other pixels are then a little more than `by` times larger.
     pub fn down_scaled(&self, by: u32) -> Camera {
-        let (width, height) = (self.width / by.max(1), self.height / by.max(1));
+        self.resized(self.width / by.max(1), self.height / by.max(1))
+    }
+
+    /// The same camera with images of this size, each side scaled on its own.
+    pub fn resized(&self, width: u32, height: u32) -> Camera {
         let scale = DVec2::new(f64::from(width) / f64::from(self.width), f64::from(height) / f64::from(self.height));
         Camera { width, height, lens: self.lens.scaled(scale) }
     }

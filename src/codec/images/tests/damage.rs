@@ -44,7 +44,11 @@ fn a_png_without_all_of_its_chunks_is_refused() {
     // A damaged comment is nobody's concern, nor what comes after the end.
     let mut comment = chunk(b"tEXt", b"a\0b");
     comment[9] ^= 1;
-    for sound in [file(&head, &parts), file(&[&head[..], &comment].concat(), &parts), [&whole[..], b"more"].concat()] {
+    // A file that lacks no more than its last chunk has all of its pixels.
+    let pixels = [&head[..], &parts.concat()].concat();
+    for sound in
+        [file(&head, &parts), file(&[&head[..], &comment].concat(), &parts), [&whole[..], b"more"].concat(), pixels]
+    {
         assert_eq!(read(folder.path(), "a.png", &sound).as_ref(), Ok(&expected));
     }
     for number in 0..parts.len() {
@@ -75,6 +79,9 @@ fn an_exr_without_all_of_its_blocks_is_refused() {
     let table = (300..whole.len() - 8).find(is_table).unwrap();
     let blocks = (place(table) - table) / 8;
     assert!(blocks > 0);
+    for end in [place(table), place(table) + 4, whole.len() - 1] {
+        assert!(read(folder.path(), "a.exr", &whole[..end]).unwrap_err().contains("it is cut short"), "{end}");
+    }
     for number in 0..blocks {
         let mut missing = whole.clone();
         missing[table + 8 * number..table + 8 * number + 8].fill(0);

@@ -49,6 +49,7 @@ fn an_exr_without_one_picture_lists_what_it_has() {
         (&["a.R", "a.G", "a.B", "b.R", "b.G", "b.B"][..], "2 of its layers are pictures: a, b"),
         (&["Z", "a.R", "a.G"], "these are there: Z, a.G, a.R"),
         (&["Y", "RY", "BY"], "luminance and chroma"),
+        (&["X", "Y", "Z"], "the colours of CIE"),
         (&["bR", "bG", "bB"], "no layer has the channels R, G and B"),
     ] {
         write(&path, names);

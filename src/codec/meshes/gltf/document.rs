@@ -22,6 +22,9 @@ const LARGEST_JSON: u64 = 256 << 20;
 const OTHER_FORMS: [&str; 4] =
     ["KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression", "KHR_mesh_quantization"];
 
+/// The extensions that put positions elsewhere, or put them there many times.
+const OTHER_PLACES: [&str; 2] = ["CESIUM_RTC", "EXT_mesh_gpu_instancing"];
+
 /// The binary chunk of a file.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Chunk {
@@ -99,13 +102,25 @@ fn alone(file: &mut Input, path: &Path, mut json: Vec<u8>) -> Result<Vec<u8>> {
 }
 
 fn document(json: &[u8]) -> Result<Document, String> {
+    // Some writers fill up the JSON with zeros instead of blanks.
+    let end = json.iter().rposition(|byte| *byte != 0).map_or(0, |at| at + 1);
+    let json = &json[..end];
     let mut root = ::gltf::json::deserialize::from_slice::<::gltf::json::Root>(json).map_err(|why| brief(&why))?;
-    if let Some(other) = root.extensions_required.iter().find(|name| OTHER_FORMS.contains(&name.as_str())) {
-        return Err(format!("its positions are compressed by {}, which is not read: export without it", shown(other)));
+    if let Some(other) = root.extensions_used.iter().find(|name| OTHER_PLACES.contains(&name.as_str())) {
+        return Err(format!("its positions are moved by {}, which is not read: export without it", shown(other)));
     }
+    let compressed =
+        |name: &str| format!("its positions are compressed by {}, which is not read: export without it", shown(name));
+    let other = |names: &[String]| names.iter().find(|name| OTHER_FORMS.contains(&name.as_str())).cloned();
+    if let Some(other) = other(&root.extensions_required) {
+        return Err(compressed(&other));
+    }
+    let optional = other(&root.extensions_used);
     // What else a viewer must have does not move a vertex.
     root.extensions_required.clear();
     // The check of indices panics where a list is shorter than an index into it.
     let checked = guarded(|| Document::from_json(root));
-    checked.map_err(|why| format!("its JSON leads nowhere: {why}"))?.map_err(|why| brief(&why))
+    let checked = checked.map_err(|why| format!("its JSON leads nowhere: {why}"))?;
+    // What is compressed without being said to be needed has nothing else to be read.
+    checked.map_err(|why| optional.map_or_else(|| brief(&why), |other| compressed(&other)))
 }

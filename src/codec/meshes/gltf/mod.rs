@@ -11,10 +11,11 @@ mod buffers;
 mod document;
 mod elements;
 
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
-use ::gltf::Node;
 use ::gltf::mesh::Mode;
+use ::gltf::{Document, Node};
 use glam::{DMat4, DVec3};
 
 use super::format::MeshFormat;
@@ -52,13 +53,14 @@ fn tell(file: &mut Input, to: &mut dyn Polygons) -> Result<()> {
     let path = file.path().to_owned();
     let (document, chunk) = document::read(file)?;
     let fault = |why: String| Error::malformed(&path, why);
-    let scene = document.default_scene().or_else(|| document.scenes().next());
-    let scene = scene.ok_or_else(|| fault("it has no scene".to_owned()))?;
     // Nodes are a tree: one that comes twice leads round.
     let mut seen = vec![false; document.nodes().len()];
-    let mut left: Vec<(Node<'_>, DMat4)> = scene.nodes().map(|node| (node, DMat4::IDENTITY)).collect();
+    let mut left: Vec<(Node<'_>, DMat4)> = roots(&document).into_iter().map(|node| (node, DMat4::IDENTITY)).collect();
     left.reverse();
     let mut told = Told { file, chunk, to, vertices: 0, path: &path };
+    if document.nodes().len() == 0 {
+        return document.meshes().try_for_each(|mesh| told.mesh(&mesh, DMat4::IDENTITY));
+    }
     while let Some((node, above)) = left.pop() {
         if std::mem::replace(&mut seen[node.index()], true) {
             return Err(fault(format!("node {} stands below itself or below two others", node.index())));
@@ -72,6 +74,17 @@ fn tell(file: &mut Input, to: &mut dyn Polygons) -> Result<()> {
         left.extend(below.into_iter().rev().map(|child| (child, world)));
     }
     Ok(())
+}
+
+/// The nodes of the scene that is to be shown; of the first that has some where none is said to be; where there are no scenes, which
+/// a file need not have, all nodes that are below no other.
+fn roots(document: &Document) -> Vec<Node<'_>> {
+    let scene = document.default_scene().or_else(|| document.scenes().find(|scene| scene.nodes().len() > 0));
+    if let Some(scene) = scene {
+        return scene.nodes().collect();
+    }
+    let below: HashSet<usize> = document.nodes().flat_map(|node| node.children().map(|child| child.index())).collect();
+    document.nodes().filter(|node| !below.contains(&node.index())).collect()
 }
 
 /// What has been told so far.

@@ -9,7 +9,7 @@ pub(super) const MOST: u64 = 1 << 20;
 /// Tells the face at position `face` of a file with `vertices` vertices; `named` holds its corners afterwards.
 ///
 /// # Errors
-/// In words: a face with fewer than three corners, or that refers to a vertex that is not there.
+/// In words: a face that refers to a vertex that is not there.
 pub(super) fn tell(
     vertices: u64,
     face: u64,
@@ -17,9 +17,6 @@ pub(super) fn tell(
     named: &mut Vec<u32>,
     to: &mut dyn Polygons,
 ) -> Result<(), String> {
-    if corners.len() < 3 {
-        return Err(too_few(face, corners.len()));
-    }
     named.clear();
     for &found in corners {
         match u32::try_from(found) {
@@ -30,16 +27,14 @@ pub(super) fn tell(
             }
         }
     }
-    to.polygon(named);
+    // A point or an edge has no surface: programs leave them behind, and pass over them.
+    if named.len() >= 3 {
+        to.polygon(named);
+    }
     Ok(())
 }
 
 /// The refusal of a face that claims too many corners.
 pub(super) fn too_many(face: u64, corners: i128) -> String {
     format!("face {face} has {corners} corners; {MOST} are the most")
-}
-
-/// The refusal of a face with too few corners.
-pub(super) fn too_few(face: u64, corners: usize) -> String {
-    format!("face {face} has {corners} corners; a face needs at least 3")
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::scalar::{Endian, Scalar};
 use crate::base::{Error, Result};
-use crate::codec::meshes::lines::line_end;
+use crate::codec::meshes::lines::{BOM, line_end};
 
 /// The most bytes of a header: a file of another format must not be read to its end in search of `end_header`.
 const LONGEST: u64 = 1 << 20;
@@ -189,9 +189,14 @@ struct Text<'a, R> {
 }
 
 impl<R: BufRead> Text<'_, R> {
-    /// Finds how lines end: in `\n`, `\r\n`, or `\r` alone as the format's first description has it.
+    /// Finds how lines end: in `\n`, `\r\n`, or `\r` alone as the format's first description has it. Passes over a byte-order mark.
     fn find_end(&mut self) -> Result<()> {
-        self.end = line_end(self.reader.fill_buf().map_err(Error::io("read", self.path))?);
+        let start = self.reader.fill_buf().map_err(Error::io("read", self.path))?;
+        self.end = line_end(start);
+        if start.starts_with(BOM) {
+            self.reader.consume(BOM.len());
+            self.bytes += BOM.len() as u64;
+        }
         Ok(())
     }
 

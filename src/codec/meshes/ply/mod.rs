@@ -7,7 +7,7 @@
 //! Read: element `vertex` with scalars `x`, `y`, `z` of any type, element `face` with a list `vertex_indices` or
 //! `vertex_index` of any integer types. The two may come in any order; other elements and properties are skipped.
 //!
-//! A face of n corners becomes n - 2 triangles. A triangle's id is its position AFTER that, in file order: in a mesh of
+//! A face of n corners becomes n - 2 triangles, one of fewer than three none. A triangle's id is its position AFTER that, in file order: in a mesh of
 //! triangles alone it is the face's position in the file, counted from 0.
 
 mod ascii;

@@ -178,12 +178,15 @@ fn faults_name_the_element() {
         ("0 0 0\n1 zero 0\n0 1 0", "3 0 1 2", "vertex 1: \"zero\" is not a number"),
         (good, "3 0 1 2\n3 0 1 3", "face 1 refers to vertex 3, but there are 3 vertices"),
         (good, "3 0 1 -1", "face 0 refers to vertex -1"),
-        (good, "3 0 1 2\n2 0 1", "face 1 has 2 corners"),
-        (good, "3 0 1 2\n0", "face 1 has 0 corners"),
+        (good, "2 0 1\n0\n1 2", "no faces"),
+        (good, "2 0 3\n3 0 1 2", "face 0 refers to vertex 3"),
         (good, "3 0 1 1.5", "face 0: \"1.5\" is not a whole number"),
     ] {
         let found = refusal(text(vertices, faces).as_bytes());
         assert!(found.contains(words), "{found}");
+    }
+    for file in [text(good, "2 0 1\n3 0 1 2\n0"), format!("\u{feff}{}", text(good, "3 0 1 2"))] {
+        assert_eq!(read(file.as_bytes()).unwrap().triangles[..], [[0, 1, 2]], "{file:?}");
     }
     for (from, to, words) in [
         ("ply\n", "PLY\n", "no PLY file"),

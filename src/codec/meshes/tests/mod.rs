@@ -136,17 +136,89 @@ fn the_corners_of_an_stl_become_one_where_they_meet() {
 }
 
 #[test]
+fn an_stl_is_read_as_programs_write_it() {
+    let facet = |corners: &[[f32; 3]; 3]| {
+        let vertices: String = corners.iter().map(|[x, y, z]| format!("vertex {x} {y} {z}\n")).collect();
+        format!("facet normal nan 0 1\nouter loop\n{vertices}endloop\nendfacet\n")
+    };
+    let text = format!("solid square made by a program\n{}endsolid\n", SQUARE.iter().map(facet).collect::<String>());
+    let named = |start: &[u8]| [start, &vec![0; 80 - start.len()], &stl(&SQUARE)[80..]].concat();
+    for (name, bytes) in [
+        ("upper case", text.to_ascii_uppercase().into_bytes()),
+        ("CR alone", text.replace('\n', "\r").into_bytes()),
+        ("a byte-order mark", format!("\u{feff}{text}").into_bytes()),
+        ("bytes after the triangles", [stl(&SQUARE), vec![0; 37]].concat()),
+        ("named solid, with bytes after", [named(b"solid exported"), vec![0; 37]].concat()),
+    ] {
+        let mesh = read_bytes("a.stl", &bytes).unwrap_or_else(|why| panic!("{name}: {why}"));
+        assert_eq!((mesh.positions.len(), &mesh.triangles[..]), (4, &[[0, 1, 2], [0, 2, 3]][..]), "{name}");
+    }
+    let wide: Vec<u8> = format!("\u{feff}{text}").encode_utf16().flat_map(u16::to_le_bytes).collect();
+    assert!(read_bytes("a.stl", &wide).unwrap_err().contains("UTF-16: save it as UTF-8"));
+}
+
+#[test]
+fn a_glb_need_not_say_what_is_to_be_shown() {
+    let (json, chunk) = square(4, &[0, 1, 2, 2, 1, 3]);
+    let shown = read_bytes("a.glb", &glb(&json, &chunk)).unwrap();
+    let without = |keys: &[&str]| {
+        let mut json = json.clone();
+        keys.iter().for_each(|key| drop(json.as_object_mut().unwrap().remove(*key)));
+        json
+    };
+    let mut empty = without(&["scene"]);
+    empty["scenes"] = json!([{"nodes": []}, {"nodes": [0]}]);
+    for (name, json) in [("no scenes", without(&["scene", "scenes"])), ("an empty scene first", empty)] {
+        assert_eq!(read_bytes("a.glb", &glb(&json, &chunk)), Ok(shown.clone()), "{name}");
+    }
+    let bare = read_bytes("a.glb", &glb(&without(&["scene", "scenes", "nodes"]), &chunk)).unwrap();
+    assert_eq!((bare.len(), places(&bare, 0)[1]), (2, DVec3::X), "no nodes: where the positions are");
+    // Filled up with zeros; of four lengths three have to be.
+    for more in 0..4 {
+        let mut json = json.clone();
+        json["asset"]["generator"] = json!("x".repeat(more));
+        let end = 20 + json.to_string().len();
+        let mut filled = glb(&json, &chunk);
+        filled[end..end.next_multiple_of(4)].fill(0);
+        assert_eq!(read_bytes("a.glb", &filled).as_ref(), Ok(&shown), "{more}");
+    }
+}
+
+#[test]
+fn positions_that_an_extension_moves_or_holds_are_refused_by_its_name() {
+    let (json, chunk) = square(4, &[0, 1, 2, 2, 1, 3]);
+    let with = |name: &str| {
+        let mut json = json.clone();
+        json["extensionsUsed"] = json!([name]);
+        json
+    };
+    for name in ["CESIUM_RTC", "EXT_mesh_gpu_instancing"] {
+        assert!(read_bytes("a.glb", &glb(&with(name), &chunk)).unwrap_err().contains(&format!("moved by \"{name}\"")));
+    }
+    // What is compressed may have its positions uncompressed too.
+    let mut both = with("KHR_draco_mesh_compression");
+    assert!(read_bytes("a.glb", &glb(&both, &chunk)).is_ok());
+    both["accessors"][0].as_object_mut().unwrap().remove("bufferView");
+    let why = read_bytes("a.glb", &glb(&both, &chunk)).unwrap_err();
+    assert!(why.contains("compressed by \"KHR_draco_mesh_compression\""), "{why}");
+}
+
+#[test]
 fn off_is_read_with_and_without_colours() {
     let plain = "# c\nOFF\n4 1 0\n0 0 0\n1 0 0\n\n1 1 0 # corner\n0 1 0\n4 0 1 2 3\n";
     let coloured = "COFF 4 1 0\n0 0 0 9 9 9 9\n1 0 0 9 9 9 9\n1 1 0 9 9 9 9\n0 1 0 9 9 9 9\n4 0 1 2 3 255 0 0\n";
-    for text in [plain, coloured] {
+    let odd = plain.replace("4 1 0", "5 3 0").replace("\n4 0", "\nnan nan nan\n2 0 1\n4 0") + "1 0\n";
+    let (cr, lower) = (plain.replace('\n', "\r"), plain.replace("OFF", "off"));
+    for text in [plain, coloured, &format!("\u{feff}{plain}"), &cr, &lower, &odd] {
         let mesh = read_bytes("a.off", text.as_bytes()).unwrap();
         assert_eq!(mesh.triangles[..], [[0, 1, 2], [0, 2, 3]], "{text}");
     }
     for (text, words) in [
         ("OFF\n1 1 0\n0 0 0\n3 0 0 1\n", "line 4: face 0: it refers to vertex \"1\""),
         ("OFF\n1 1 0\n0 0\n", "line 3: vertex 0 is \"0 0\""),
-        ("OFF\n1 1 0\n0 0 0\n2 0 0\n", "three corners or more"),
+        ("OFF\n1 1 0\n0 0 0\nthree 0 0 0\n", "line 4: face 0: it is \"three 0 0 0\"; the number of its corners"),
+        ("OFF\n2 1 0\n0 0 0\nnan 0 0\n3 0 0 1\n", "vertex 1 is"),
+        ("OFF\n1 1 0\n0 0 0\n2 0 0\n", "no faces"),
         ("OFF\n99999999999 1 0\n0 0 0\n", "the file ends where a vertex should be"),
         ("OFF BINARY\n", "binary OFF"),
     ] {

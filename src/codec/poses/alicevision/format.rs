@@ -25,16 +25,20 @@ pub(crate) const ALICEVISION: PoseFormat = PoseFormat {
     programs: "AliceVision, Meshroom",
     target: Target::Either,
     advice: "name cameras.sfm or the folder that holds it",
-    is_at: |path| {
-        let is = |file: PathBuf| String::from_utf8_lossy(&whole::start(&file, 1 << 16)).contains("\"viewId\"");
-        file(path).is_some_and(is)
-    },
+    is_at: |path| file(path).is_some_and(|file| is_one(&file)),
     missing: |path| found::missing(path, file(path).is_some(), "must be a .sfm file or hold cameras.sfm"),
     read,
 };
 
+/// The newest major version whose lengths and turns are known.
+const NEWEST: u64 = 1;
+
 fn file(path: &Path) -> Option<PathBuf> {
-    found::named(path, &["cameras.sfm", "sfm.sfm"]).or_else(|| found::ending(path, &[".sfm"]).into_iter().next())
+    found::named(path, &["cameras.sfm", "sfm.sfm"]).or_else(|| found::told(path, &[".sfm"], is_one))
+}
+
+fn is_one(file: &Path) -> bool {
+    whole::start_text(file, 1 << 16).contains("\"viewId\"")
 }
 
 #[derive(Debug, Deserialize)]
@@ -102,6 +106,11 @@ fn read(path: &Path, photographs: &dyn Photographs) -> Result<Posed> {
     let file = file(path).ok_or_else(|| Error::malformed(path, "no .sfm file is there"))?;
     let scene: Scene = json::read(&file)?;
     let version = values(scene.version).map(u64::cut);
+    if version[0] > NEWEST {
+        let [major, minor, patch] = version;
+        let found = format!("it is of version {major}.{minor}.{patch}; versions up to {NEWEST} are read");
+        return Err(Error::malformed(&file, found));
+    }
     let poses: BTreeMap<&str, &Transform> =
         scene.poses.iter().map(|one| (one.pose_id.as_str(), &one.pose.transform)).collect();
     let written: Vec<String> = scene.views.iter().map(|view| view.path.clone()).collect();

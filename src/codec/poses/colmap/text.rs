@@ -14,6 +14,7 @@ use super::posed::{Cameras, Image};
 use crate::base::input::Input;
 use crate::base::shown::shown;
 use crate::base::{Error, Result};
+use crate::codec::meshes::line_end;
 use crate::scene::frame::Frame;
 
 /// The most bytes of a line: a million 2D points.
@@ -24,9 +25,10 @@ const LONGEST_LINE: u64 = 64 << 20;
 fn each_line(path: &Path, mut line: impl FnMut(&str) -> Result<bool, String>) -> Result<()> {
     let mut file = BufReader::new(Input::open(path).map_err(Error::io("open", path))?);
     let (mut bytes, mut skip) = (Vec::new(), false);
+    let end = line_end(file.fill_buf().map_err(Error::io("read", path))?);
     for number in 1.. {
         bytes.clear();
-        let read = std::io::Read::take(&mut file, LONGEST_LINE).read_until(b'\n', &mut bytes);
+        let read = std::io::Read::take(&mut file, LONGEST_LINE).read_until(end, &mut bytes);
         if read.map_err(Error::io("read", path))? == 0 {
             break;
         }

@@ -23,20 +23,19 @@ pub(crate) const METASHAPE: PoseFormat = PoseFormat {
     programs: "Metashape, PhotoScan",
     target: Target::Either,
     advice: "name the cameras.xml that Metashape exports, or the folder that holds it",
-    is_at: |path| {
-        let is = |file: PathBuf| {
-            let start = whole::start(&file, 4096);
-            let text = String::from_utf8_lossy(&start);
-            text.contains("<document") && text.contains("<chunk")
-        };
-        file(path).is_some_and(is)
-    },
+    is_at: |path| file(path).is_some_and(|file| is_one(&file)),
     missing: |path| found::missing(path, file(path).is_some(), "must be cameras.xml or hold it"),
     read,
 };
 
 fn file(path: &Path) -> Option<PathBuf> {
-    found::named(path, &["cameras.xml", "camera.xml"])
+    let other = || found::told(path, &[".xml"], is_one).filter(|file| is_one(file));
+    found::named(path, &["cameras.xml", "camera.xml"]).or_else(other)
+}
+
+fn is_one(file: &Path) -> bool {
+    let text = whole::start_text(file, 4096);
+    text.contains("<document") && text.contains("<chunk")
 }
 
 /// A camera that has a pose.

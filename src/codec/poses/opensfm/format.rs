@@ -21,7 +21,7 @@ pub(crate) const OPENSFM: PoseFormat = PoseFormat {
     programs: "OpenSfM, OpenDroneMap",
     target: Target::Either,
     advice: "name reconstruction.json or the folder that holds it",
-    is_at: |path| file(path).is_some_and(|file| is_one(&whole::start(&file, 1 << 16))),
+    is_at: |path| file(path).is_some_and(|file| is_one(&whole::start_text(&file, 1 << 16))),
     missing: |path| found::missing(path, file(path).is_some(), "must be reconstruction.json or hold it"),
     read,
 };
@@ -31,9 +31,8 @@ fn file(path: &Path) -> Option<PathBuf> {
 }
 
 /// Whether a file that begins so is a list of reconstructions.
-fn is_one(start: &[u8]) -> bool {
-    let text = String::from_utf8_lossy(start);
-    text.trim_start_matches('\u{feff}').trim_start().starts_with('[') && text.contains("\"cameras\"")
+fn is_one(text: &str) -> bool {
+    text.trim_start().starts_with('[') && text.contains("\"cameras\"")
 }
 
 /// What is read of a reconstruction.

@@ -1,9 +1,11 @@
-//! The table of a registration. The first line names the columns:
+//! The table of a registration. A line at its start names the columns, in upper or lower case:
 //!
 //! ```text
+//! #cameras 3                                                      newer versions only
 //! #name,x,y,alt,heading,pitch,roll,f,px,py,k1,k2,k3,k4,t1,t2
 //! ```
 //!
+//! Cells are parted by commas, semicolons or tabs, and may stand in quotes.
 //! With the camera's axes x right, y up, z back, the rotation to the world is Rz(-heading) Rx(pitch) Ry(roll).
 
 use std::collections::BTreeMap;
@@ -26,22 +28,57 @@ use crate::scene::pose::Pose;
 /// The columns that must be there.
 const NEEDED: [&str; 8] = ["name", "x", "y", "alt", "heading", "pitch", "roll", "f"];
 
+/// The most lines before the one that names the columns.
+const BEFORE: usize = 8;
+
+/// What may part the cells of a line.
+const PARTS: [char; 3] = [',', ';', '\t'];
+
 /// Whether a file that begins so is such a table.
-pub(super) fn is_one(start: &[u8]) -> bool {
-    let text = String::from_utf8_lossy(start);
-    columns(text.lines().next().unwrap_or_default()).is_ok()
+pub(super) fn is_one(start: &str) -> bool {
+    head(start).is_ok()
 }
 
-/// The position of each column.
-type Columns<'a> = BTreeMap<&'a str, usize>;
+/// The line that names the columns.
+struct Head {
+    /// The number of lines before the first row.
+    lines: usize,
+    /// What parts the cells.
+    part: char,
+    /// The position of each column.
+    columns: BTreeMap<String, usize>,
+}
 
-fn columns(head: &str) -> Result<Columns<'_>, String> {
-    let head = head.trim_start_matches('\u{feff}').trim_start_matches('#');
-    let columns: Columns<'_> = head.split(',').enumerate().map(|(at, name)| (name.trim(), at)).collect();
-    match NEEDED.iter().find(|name| !columns.contains_key(*name)) {
-        Some(missing) => Err(format!("line 1 names no column {missing}; {} are needed", NEEDED.join(", "))),
-        None => Ok(columns),
+/// The first line that names all columns that are needed.
+///
+/// # Errors
+/// In words: the column that the line lacks which names the most.
+fn head(text: &str) -> Result<Head, String> {
+    let mut most = (0, NEEDED[0]);
+    for (at, line) in text.lines().enumerate().take(BEFORE) {
+        for part in PARTS {
+            let named = cells(line.trim_start_matches('#'), part).into_iter().map(str::to_ascii_lowercase);
+            let columns: BTreeMap<String, usize> = named.zip(0..).collect();
+            let Some(missing) = NEEDED.into_iter().find(|name| !columns.contains_key(*name)) else {
+                return Ok(Head { lines: at + 1, part, columns });
+            };
+            let named = NEEDED.into_iter().filter(|name| columns.contains_key(*name)).count();
+            if named > most.0 {
+                most = (named, missing);
+            }
+        }
     }
+    Err(format!("no line at its start names a column {}; {} are needed", most.1, NEEDED.join(", ")))
+}
+
+/// The cells of a line. One in quotes may hold what parts the others.
+fn cells(line: &str, part: char) -> Vec<&str> {
+    let mut quoted = false;
+    let parts = line.split(|c: char| {
+        quoted ^= c == '"';
+        c == part && !quoted
+    });
+    parts.map(|cell| cell.trim().trim_matches('"').trim()).collect()
 }
 
 /// Reads a table.
@@ -50,12 +87,10 @@ fn columns(head: &str) -> Result<Columns<'_>, String> {
 /// A file that cannot be read, a line that is not as the first says, an image whose size cannot be read.
 pub(super) fn read(file: &Path, photographs: &dyn Photographs) -> Result<Posed> {
     let text = whole::text(file)?;
-    let columns = columns(text.lines().next().unwrap_or_default()).map_err(|why| Error::malformed(file, why))?;
-    let mut rows = Vec::new();
-    for (at, line) in text.lines().enumerate().skip(1).filter(|(_, line)| !line.trim().is_empty()) {
-        let row = Row { cells: line.split(',').map(str::trim).collect(), columns: &columns, line: at + 1 };
-        rows.push(row);
-    }
+    let head = head(&text).map_err(|why| Error::malformed(file, why))?;
+    let lines = text.lines().enumerate().skip(head.lines).filter(|(_, line)| !line.trim().is_empty());
+    let rows: Vec<Row<'_>> =
+        lines.map(|(at, line)| Row { cells: cells(line, head.part), columns: &head.columns, line: at + 1 }).collect();
     let written: Vec<String> = rows.iter().map(|row| row.cell("name").unwrap_or_default().to_owned()).collect();
     let mut frames = Vec::with_capacity(rows.len());
     for (row, name) in rows.iter().zip(names::settled(&written, photographs)?) {
@@ -69,7 +104,7 @@ pub(super) fn read(file: &Path, photographs: &dyn Photographs) -> Result<Posed> 
 
 struct Row<'a> {
     cells: Vec<&'a str>,
-    columns: &'a Columns<'a>,
+    columns: &'a BTreeMap<String, usize>,
     line: usize,
 }
 

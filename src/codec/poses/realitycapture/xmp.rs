@@ -17,16 +17,23 @@ use crate::scene::camera::{Camera, Distortion, Projection};
 use crate::scene::frame::Frame;
 use crate::scene::pose::Pose;
 
-/// Whether a file that begins so is RealityCapture's: cameras write `.xmp` files too.
-pub(super) fn is_one(start: &[u8]) -> bool {
-    String::from_utf8_lossy(start).contains("capturingreality.com")
+/// Whether a file is RealityCapture's: cameras and programs that develop photographs write `.xmp` files too.
+pub(super) fn is_one(file: &Path) -> bool {
+    whole::start_text(file, 1 << 16).contains("capturingreality.com")
 }
 
-/// Reads the files of a folder. Images whose file has no pose are not registered.
+/// Reads those files of a folder that are RealityCapture's. Images whose file has no pose are not registered.
 ///
 /// # Errors
-/// A file that cannot be read, a lens that no lens of ours can say, an image whose size cannot be read.
+/// None that is RealityCapture's; a file that cannot be read, a lens that no lens of ours can say, an image whose size cannot be read.
 pub(super) fn read(files: &[PathBuf], photographs: &dyn Photographs) -> Result<Posed> {
+    let own: Vec<&PathBuf> = files.iter().filter(|file| is_one(file)).collect();
+    let (Some(first), true) = (files.first(), own.is_empty()) else { return registered(&own, photographs) };
+    let found = "it is not RealityCapture's: it names no namespace of capturingreality.com, and no .xmp beside it does";
+    Err(Error::malformed(first, found))
+}
+
+fn registered(files: &[&PathBuf], photographs: &dyn Photographs) -> Result<Posed> {
     let written: Vec<String> =
         files.iter().map(|file| file.file_stem().unwrap_or_default().to_string_lossy().into_owned()).collect();
     let (mut frames, mut unposed) = (Vec::new(), Vec::new());

@@ -1,6 +1,7 @@
-//! Every format against the same cameras (`same_rays`), what it says of their place (`places`), against damage (`damaged`), against what it must refuse (`refused`),
+//! Every format against the same cameras (`same_rays`), as other programs and systems write it (`as_written`), what it says of their place (`places`), against damage (`damaged`), against what it must refuse (`refused`),
 //! and against files of the programs themselves, where they are there (`real`); the seeds of the fuzz target (`seeds`).
 
+mod as_written;
 mod damaged;
 mod places;
 mod real;

@@ -36,3 +36,21 @@ fn metashape_is_geocentric_where_its_chunk_is_georeferenced() {
     assert_eq!(reference("GEOGCS[&quot;Pulkovo 1942&quot;]"), None);
     assert_eq!(told("metashape", ["", ""]), None);
 }
+
+#[test]
+fn blocks_name_the_system_of_their_coordinates() {
+    let of = |systems: &str, id: &str| {
+        let systems = format!("<SpatialReferenceSystems>{systems}</SpatialReferenceSystems><Block><SRSId>{id}</SRSId>");
+        told("blocks_exchange", ["<Block>", &systems])
+    };
+    let srs = |id: u32, definition: &str| {
+        format!("<SRS><Id>{id}</Id><Name>n</Name><Definition>{definition}</Definition></SRS>")
+    };
+    let both = srs(0, "LOCAL_CS[&quot;Local&quot;]") + &srs(1, "EPSG:32633+5773");
+    assert_eq!(of(&both, "1").as_deref(), Some("EPSG:32633"));
+    assert_eq!((of(&both, "0"), of(&both, "2"), told("blocks_exchange", ["", ""])), (None, None, None));
+    assert_eq!(of(&srs(7, "ENU:52.125,13.5"), "7").as_deref(), Some("ENU:52.125,13.5"));
+    let text = "PROJCS[&quot;RGF93&quot;,AUTHORITY[&quot;EPSG&quot;,&quot;2154&quot;]]";
+    assert_eq!(of(&srs(3, text), "3").as_deref(), Some("EPSG:2154"));
+    assert_eq!(of(&srs(3, "PROJCS[&quot;somewhere&quot;]"), "3"), None);
+}

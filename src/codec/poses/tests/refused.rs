@@ -31,6 +31,9 @@ fn what_no_lens_can_say_is_refused_by_its_name() {
         ("opensfm", "\"brown\"", "\"dual\"", "the projection \"dual\" is not read"),
         ("opensfm", "\"brown\"", "\"spherical\"", "the projection \"spherical\" is not read"),
         ("transforms", "\"OPENCV\"", "\"EQUIRECTANGULAR\"", "camera_model is \"EQUIRECTANGULAR\""),
+        ("transforms", "\"k1\"", "\"k5\":0.5,\"k1\"", "the lens has k5 = 0.5"),
+        ("transforms", "\"k1\"", "\"ftheta_p0\":0,\"k1\"", "it has ftheta_p0, and no lens"),
+        ("transforms", "\"k1\"", "\"latlong\":true,\"k1\"", "it has latlong, and no lens"),
         ("metashape", "<f>", "<b2>9.5</b2><f>", "b2 = 9.5"),
         ("metashape", "<f>", "<p3>0.5</p3><f>", "p3 = 0.5"),
         ("metashape", "type=\"frame\" class=\"adj", "type=\"spherical\" class=\"adj", "it is \"spherical\""),
@@ -61,6 +64,18 @@ fn what_is_no_pose_is_refused_in_words() {
         ("metashape", "<scale>22.5", "<scale>-1", "the scale is -1"),
         ("bundler", "lost.jpg", "", "5 cameras, and list.txt names 4"),
         ("tanks_and_temples", "2 0 0 1", "0 0 0 1", "its determinant is 0"),
+        (
+            "blocks_exchange",
+            "<Block>",
+            "<SRS><Id>1</Id><Definition>EPSG:4326</Definition></SRS><Block><SRSId>1</SRSId>",
+            "its coordinates are of SRS \"1\" (EPSG:4326), in degrees",
+        ),
+        (
+            "alicevision",
+            "[\"1\",\"2\",\"6\"]",
+            "[\"2\",\"0\",\"0\"]",
+            "it is of version 2.0.0; versions up to 1 are read",
+        ),
         ("blocks_exchange", "M_00", "N_00", "export rotation matrices"),
         ("blocks_exchange", "XRightYDown", "XRightYRight", "as XRightYDown is needed"),
     ]);

@@ -2,11 +2,13 @@
 
 use glam::DVec2;
 use serde::Deserialize;
+use serde::de::IgnoredAny;
 
 use crate::base::convert::Cut;
 use crate::base::shown::shown;
 use crate::codec::images::Size;
 use crate::codec::poses::json::Number;
+use crate::codec::poses::terms;
 use crate::scene::camera::{Camera, Distortion, Lens, Projection};
 
 /// The keys of a lens.
@@ -26,8 +28,30 @@ pub(super) struct Intrinsics {
     k2: Option<Number>,
     k3: Option<Number>,
     k4: Option<Number>,
+    k5: Option<Number>,
+    k6: Option<Number>,
     p1: Option<Number>,
     p2: Option<Number>,
+    /// The terms of NVIDIA's f-theta lenses begin with this one.
+    ftheta_p0: Option<IgnoredAny>,
+    latlong: Option<Flag>,
+    is_latlong: Option<Flag>,
+    equirectangular: Option<Flag>,
+    orthographic: Option<Flag>,
+}
+
+/// A flag, written as true and false or as numbers.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(untagged)]
+enum Flag {
+    Is(bool),
+    Number(f64),
+}
+
+impl Flag {
+    fn is_set(self) -> bool {
+        matches!(self, Flag::Is(true)) || matches!(self, Flag::Number(n) if n != 0.0)
+    }
 }
 
 impl Intrinsics {
@@ -49,8 +73,15 @@ impl Intrinsics {
             k2: own.k2.or(self.k2),
             k3: own.k3.or(self.k3),
             k4: own.k4.or(self.k4),
+            k5: own.k5.or(self.k5),
+            k6: own.k6.or(self.k6),
             p1: own.p1.or(self.p1),
             p2: own.p2.or(self.p2),
+            ftheta_p0: own.ftheta_p0.or(self.ftheta_p0),
+            latlong: own.latlong.or(self.latlong),
+            is_latlong: own.is_latlong.or(self.is_latlong),
+            equirectangular: own.equirectangular.or(self.equirectangular),
+            orthographic: own.orthographic.or(self.orthographic),
         }
     }
 
@@ -105,12 +136,33 @@ impl Intrinsics {
         Camera::new(size.width.into(), size.height.into(), lens)
     }
 
+    /// The other kind of lens that keys beside the model's say, as instant-ngp has it.
+    fn other_kind(&self) -> Option<&'static str> {
+        let set = |flag: Option<Flag>| flag.is_some_and(Flag::is_set);
+        let kinds = [
+            (self.ftheta_p0.is_some(), "ftheta_p0"),
+            (set(self.latlong), "latlong"),
+            (set(self.is_latlong), "is_latlong"),
+            (set(self.equirectangular), "equirectangular"),
+            (set(self.orthographic), "orthographic"),
+        ];
+        kinds.into_iter().find(|(is, _)| *is).map(|(_, key)| key)
+    }
+
     fn projection(&self) -> Result<Projection, String> {
+        if let Some(key) = self.other_kind() {
+            let advice = "undistort the photographs to perspective ones";
+            return Err(format!("it has {key}, and no lens of gonio is of that kind: {advice}"));
+        }
+        terms::none("k5", self.k5.unwrap_or_default().0)?;
+        terms::none("k6", self.k6.unwrap_or_default().0)?;
         let k = [self.k1, self.k2, self.k3, self.k4].map(|k| k.unwrap_or_default().0);
         let tangential = [self.p1, self.p2].map(|p| p.unwrap_or_default().0);
         let fisheye = self.is_fisheye.unwrap_or_default();
         match self.camera_model.as_deref().unwrap_or(if fisheye { "OPENCV_FISHEYE" } else { "OPENCV" }) {
-            "OPENCV_FISHEYE" => Ok(Projection::Equidistant(Distortion::radial(k))),
+            "OPENCV_FISHEYE" | "SIMPLE_RADIAL_FISHEYE" | "RADIAL_FISHEYE" | "SIMPLE_FISHEYE" | "FISHEYE" => {
+                Ok(Projection::Equidistant(Distortion::radial(k)))
+            }
             "OPENCV" | "PINHOLE" | "SIMPLE_PINHOLE" | "SIMPLE_RADIAL" | "RADIAL" | "PERSPECTIVE" => {
                 Ok(Projection::Perspective(Distortion { tangential, ..Distortion::radial(k) }))
             }

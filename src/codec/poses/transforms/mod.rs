@@ -33,8 +33,7 @@ pub(crate) const TRANSFORMS: PoseFormat = PoseFormat {
     target: Target::Either,
     advice: "name transforms.json or the folder that holds it",
     is_at: |path| {
-        let holds =
-            |file: PathBuf| String::from_utf8_lossy(&whole::start(&file, 1 << 16)).contains("\"transform_matrix\"");
+        let holds = |file: PathBuf| whole::start_text(&file, 1 << 16).contains("\"transform_matrix\"");
         file(path).is_some_and(holds)
     },
     missing: |path| found::missing(path, file(path).is_some(), "must be transforms.json or hold it"),
