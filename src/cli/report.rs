@@ -127,6 +127,7 @@ mod tests {
                 gains: 59,
                 gain_range: [0.75, 1.25],
                 untied: vec!["dark.jpg".into()],
+                exif: Some(0.962),
                 corners: Some(0.27),
             }),
             memory_peak: 3 << 29,
@@ -155,7 +156,7 @@ mod tests {
     sun            [0.6000, 0.0000, 0.8000] within 0.8 degrees, turned 1.50
     light          sun 0.900 0.850 0.800, sky 0.100 0.125 0.250; white 1.00
                    shadows say so
-    exposure       gains 0.75 to 1.25 of 59 frames; 1 not told; corners lose 27%
+    exposure       gains 0.75 to 1.25 of 59 frames; 1 not told; EXIF agrees, 0.96; corners lose 27%
     estimator      gonio-lobe-small on rten 0.27.0
     memory         1.5 GiB lent at most
     time           1:15

@@ -18,53 +18,72 @@ const SURE: f64 = 4.0;
 const LEAST: f32 = 0.03;
 const MOST: f32 = 1.5;
 
-/// Rounds in which means over frames and triangles are taken off in turn.
-const ROUNDS: usize = 30;
+/// Rounds of weighing, and in each those in which means over frames and triangles are taken off in turn.
+const WEIGHINGS: usize = 6;
+const ROUNDS: usize = 10;
 
 /// The residual, in standard deviations, at which a sighting counts for a quarter.
 const FAR: f64 = 2.0;
 
+/// The smallest standard deviation that is believed.
+const FLOOR: f64 = 0.01;
+
 /// A sighting less the means of its frame and its triangle: the squared radius, its square, and the logarithm of the luminance.
 type Moments = [f64; 3];
 
-/// The vignetting of each of `cameras` cameras, where `camera` is that of each frame.
+/// The vignetting of each of `cameras` cameras, where `camera` is that of each frame. Each is found from what its own frames saw.
 pub(crate) fn vignetting(sightings: &[Sighting], camera: &[usize], cameras: usize) -> Vec<Vignetting> {
-    let Gains { log, residual } = gains(sightings, camera.len(), &[]);
-    let rows: Vec<Row> = rows(sightings, camera.len()).into_iter().filter(|row| log[row.frame].is_some()).collect();
-    let mut all: Vec<Moments> = rows.iter().map(|row| [row.radius2, row.radius2.powi(2), row.log]).collect();
-    let mut weights: Vec<f64> = rows.iter().map(|row| row.share).collect();
-    let triangles = rows.last().map_or(0, |row| row.triangle + 1);
-    // Highlights and what moved lose weight once the first means are off.
-    for weighed in [false, true] {
-        for _ in 0..ROUNDS {
-            less(&mut all, &weights, &rows, triangles, |row| row.triangle);
-            less(&mut all, &weights, &rows, camera.len(), |row| row.frame);
-        }
-        if !weighed {
-            let far = FAR * f64::from(residual).max(0.01);
-            for ((weight, [.., off]), row) in weights.iter_mut().zip(&all).zip(&rows) {
-                *weight = row.share / (1.0 + (off / far).powi(2)).powi(2);
-            }
-        }
-    }
     let of = |one: usize| {
-        let own = || (0..rows.len()).filter(|at| camera[rows[*at].frame] == one);
-        let whole = solved(own().map(|at| (weights[at], all[at])));
-        let lost = -to_f32(whole[0] + whole[1]);
-        let gained: Vec<f64> = (0..PARTS)
-            .map(|part| {
-                let inside = |at: &usize| rows[*at].triangle % PARTS == part;
-                let [second, fourth] = solved(own().filter(|at| !inside(at)).map(|at| (weights[at], all[at])));
-                let less = |[x, y, off]: Moments| off.powi(2) - (off - second * x - fourth * y).powi(2);
-                own().filter(inside).map(|at| weights[at] * less(all[at])).sum()
-            })
-            .collect();
-        let mean = gained.iter().sum::<f64>() / PARTS as f64;
-        let error = (gained.iter().map(|g| (g - mean).powi(2)).sum::<f64>() / (PARTS * (PARTS - 1)) as f64).sqrt();
-        let told = mean > SURE * error && (LEAST..MOST).contains(&lost);
-        if told { Vignetting { second: to_f32(whole[0]), fourth: to_f32(whole[1]) } } else { Vignetting::NONE }
+        let own = sightings.iter().filter(|sighting| camera.get(sighting.frame as usize) == Some(&one));
+        of_one(&own.copied().collect::<Vec<_>>(), camera.len())
     };
     (0..cameras).map(of).collect()
+}
+
+fn of_one(sightings: &[Sighting], frames: usize) -> Vignetting {
+    let Gains { log, .. } = gains(sightings, frames, &[]);
+    let rows: Vec<Row> = rows(sightings, frames).into_iter().filter(|row| log[row.frame].is_some()).collect();
+    let gain = |row: &Row| log[row.frame].map_or(0.0, f64::from);
+    let mut all: Vec<Moments> =
+        rows.iter().map(|row| [row.radius2, row.radius2.powi(2), row.log - gain(row)]).collect();
+    let mut weights: Vec<f64> = rows.iter().map(|row| row.share).collect();
+    let triangles = rows.last().map_or(0, |row| row.triangle + 1);
+    less(&mut all, &weights, &rows, triangles, |row| row.triangle);
+    // Highlights and what moved lose weight, by what the vignetting that was found so far leaves of them.
+    let mut found = [0.0; 2];
+    for _ in 0..WEIGHINGS {
+        let mut sizes: Vec<f64> = all.iter().map(|moments| left(moments, found).abs()).collect();
+        sizes.sort_unstable_by(f64::total_cmp);
+        let far = FAR * (1.4826 * sizes.get(sizes.len() / 2).copied().unwrap_or(0.0)).max(FLOOR);
+        for ((weight, moments), row) in weights.iter_mut().zip(&all).zip(&rows) {
+            *weight = row.share / (1.0 + (left(moments, found) / far).powi(2)).powi(2);
+        }
+        for _ in 0..ROUNDS {
+            less(&mut all, &weights, &rows, triangles, |row| row.triangle);
+            less(&mut all, &weights, &rows, frames, |row| row.frame);
+        }
+        found = solved(weights.iter().copied().zip(all.iter().copied()));
+    }
+    // Each part of the triangles is foretold by the others.
+    let part = |at: usize| rows[at].triangle % PARTS;
+    let gained: Vec<f64> = (0..PARTS)
+        .map(|one| {
+            let of = |inside: bool| (0..rows.len()).filter(move |at| (part(*at) == one) == inside);
+            let others = solved(of(false).map(|at| (weights[at], all[at])));
+            let less = |moments: &Moments| moments[2].powi(2) - left(moments, others).powi(2);
+            of(true).map(|at| weights[at] * less(&all[at])).sum()
+        })
+        .collect();
+    let mean = gained.iter().sum::<f64>() / PARTS as f64;
+    let error = (gained.iter().map(|g| (g - mean).powi(2)).sum::<f64>() / (PARTS * (PARTS - 1)) as f64).sqrt();
+    let [second, fourth] = found.map(to_f32);
+    let told = mean > SURE * error && (LEAST..MOST).contains(&-(second + fourth));
+    if told { Vignetting { second, fourth } } else { Vignetting::NONE }
+}
+
+/// What a vignetting leaves of a sighting.
+fn left([x, y, off]: &Moments, [second, fourth]: [f64; 2]) -> f64 {
+    off - second * x - fourth * y
 }
 
 /// Takes the weighted mean of each set of rows off.

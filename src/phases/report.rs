@@ -124,6 +124,9 @@ pub struct LightReport {
     pub gain_range: [f32; 2],
     /// Frames whose exposure cannot be told.
     pub untied: Vec<String>,
+    /// The correlation of the gains with the exposures that the photographs tell; none where they tell none, or all the same.
+    #[serde(default)]
+    pub exif: Option<f32>,
     /// The share of the light that corners of images lose, of the camera that loses most; none where no vignetting was found.
     #[serde(default)]
     pub corners: Option<f32>,

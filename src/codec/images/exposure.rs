@@ -29,6 +29,11 @@ impl Exposure {
         }
     }
 
+    /// The light that it lets in, times the sensitivity: what it makes the same radiance brighter by.
+    pub(crate) fn factor(&self) -> Option<f64> {
+        Some(self.seconds? * f64::from(self.iso?) / self.aperture.unwrap_or(1.0).powi(2))
+    }
+
     /// Whether shutter and sensitivity are told: some lenses have one aperture and do not tell it.
     pub(crate) fn is_told(&self) -> bool {
         self.seconds.is_some() && self.iso.is_some()

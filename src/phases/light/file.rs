@@ -96,6 +96,8 @@ struct Exposures<'a> {
     /// Frames that nothing ties to the others: their gain is 1.
     untied: &'a [String],
     residual: f32,
+    /// The correlation of their logarithms with those of the exposures that the photographs tell.
+    exif: Option<f32>,
     /// By the size of their images, how much darker cameras are towards their corners.
     vignetting: &'a BTreeMap<String, Vignetting>,
 }
@@ -122,6 +124,7 @@ pub(super) fn write(store: &dyn Store, state: &State, up: [f64; 3]) -> Result<Ve
             frames: state.gains.iter().map(|(name, gain)| (name.as_str(), gain.log.exp())).collect(),
             untied: &state.untied,
             residual: state.residual,
+            exif: state.exif,
             vignetting: &state.vignetting,
         },
     };

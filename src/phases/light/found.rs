@@ -102,6 +102,9 @@ pub(crate) struct Looked {
     /// How much darker cameras are towards their corners, by the size of their images, where that was not known.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub vignetting: BTreeMap<String, Vignetting>,
+    /// The correlation of the gains with the exposures that the photographs tell, where they do.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub exif: Option<f32>,
     /// The positions of the lights that frames were taken in; none where all were taken in one.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub taken_in: BTreeMap<String, usize>,

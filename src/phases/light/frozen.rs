@@ -56,6 +56,8 @@ pub(crate) struct State {
     pub residual: f32,
     /// How much darker cameras are towards their corners, by the size of their images.
     pub vignetting: BTreeMap<String, Vignetting>,
+    /// The correlation of the gains with the exposures that the photographs tell, where they do.
+    pub exif: Option<f32>,
     /// The positions of the lights that frames were taken in, by their names; none where all were taken in one.
     pub taken_in: BTreeMap<String, usize>,
     /// The light.
@@ -107,6 +109,7 @@ impl State {
             gains: self.gains.len() as u64,
             gain_range: [gains().reduce(f32::min).unwrap_or(1.0), gains().reduce(f32::max).unwrap_or(1.0)],
             untied: self.untied.clone(),
+            exif: self.exif,
             corners: self
                 .vignetting
                 .values()
@@ -188,7 +191,7 @@ impl FrozenLight {
                 Entry::Looked(looked) if looked.gains_under == self.gains_under => {
                     state.gains.extend(looked.gains.iter().map(|(name, gain)| (name.clone(), gain.clone())));
                     state.vignetting.extend(looked.vignetting.iter().map(|(camera, found)| (camera.clone(), *found)));
-                    (state.untied, state.residual) = (looked.untied.clone(), looked.residual);
+                    (state.untied, state.residual, state.exif) = (looked.untied.clone(), looked.residual, looked.exif);
                     state.sightings = None;
                     if looked.light_under == self.light_under {
                         state.light = looked.light.clone().or(state.light);
@@ -229,10 +232,10 @@ impl FrozenLight {
 
     /// What stands in a recipe for all that is known of these sightings.
     pub(super) fn key(&self, sightings: Key) -> Option<Key> {
-        let State { sample: _, gains, untied, residual, vignetting, taken_in, light, moved, sightings: of } =
+        let State { sample: _, gains, untied, residual, vignetting, exif, taken_in, light, moved, sightings: of } =
             &self.state;
-        let all =
-            serde_json::to_vec(&(gains, untied, residual, vignetting, taken_in, light, moved)).unwrap_or_default();
+        let all = serde_json::to_vec(&(gains, untied, residual, vignetting, exif, taken_in, light, moved))
+            .unwrap_or_default();
         (*of == Some(sightings)).then(|| Key::of_bytes(&all))
     }
 

@@ -4,8 +4,10 @@
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
+use crate::base::convert::to_f32;
 use crate::base::{Error, Result};
 use crate::codec::images::{Taken, taken};
+use crate::light::Gains;
 use crate::light::ephemeris::{elevation, in_mesh, sun_over};
 use crate::pipeline::Pipeline;
 use crate::scene::frame::Frame;
@@ -147,9 +149,22 @@ pub(super) fn seconds(told: &[Taken]) -> Vec<Option<i64>> {
     told.iter().map(|taken| taken.time.and_then(of)).collect()
 }
 
+/// The correlation of the logarithms of gains and of the exposures that photographs tell; `None` where fewer than eight tell one,
+/// or all the same. Clouds lower it, and so does what is done to photographs before they come here.
+pub(super) fn agreement(told: &[Taken], gains: &Gains) -> Option<f32> {
+    let of = |(taken, gain): (&Taken, &Option<f32>)| Some([taken.exposure.factor()?.ln(), f64::from((*gain)?)]);
+    let both: Vec<[f64; 2]> = told.iter().zip(&gains.log).filter_map(of).collect();
+    let count = both.len() as f64;
+    let mean = [0, 1].map(|k| both.iter().map(|pair| pair[k]).sum::<f64>() / count);
+    let product = |a: usize, b: usize| both.iter().map(|p| (p[a] - mean[a]) * (p[b] - mean[b])).sum::<f64>() / count;
+    let (exif, gain) = (product(0, 0), product(1, 1));
+    (both.len() >= 8 && exif.sqrt() > 0.05 && gain > 0.0).then(|| to_f32(product(0, 1) / (exif * gain).sqrt()))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::codec::images::Exposure;
 
     fn at(hour: i64, zone: Option<i32>) -> Taken {
         Taken { time: Moment::new([2014, 5, 26], [hour, 0, 0], zone), ..Taken::default() }
@@ -171,6 +186,22 @@ mod tests {
         let [latitude, longitude] = middle_place(&[at(179.9), at(-179.9), at(-179.8)]).unwrap();
         assert!((latitude + 17.0).abs() < 1e-9 && (longitude + 179.9).abs() < 1e-9, "{latitude} {longitude}");
         assert_eq!(middle_place(&[Taken::default()]), None);
+    }
+
+    #[test]
+    fn gains_are_held_against_the_exposures_that_are_told() {
+        let iso = |iso: u32| Taken {
+            exposure: Exposure { seconds: Some(0.01), aperture: None, iso: Some(iso) },
+            ..Taken::default()
+        };
+        let told: Vec<Taken> = [100, 200, 400, 800, 100, 200, 400, 800].map(iso).into();
+        let gains = |log: &[f32]| Gains { log: log.iter().map(|log| Some(*log)).collect(), residual: 0.0 };
+        let twice = [0.1, 0.79, 1.5, 2.2, 0.1, 0.8, 1.49, 2.2];
+        assert!(agreement(&told, &gains(&twice)).is_some_and(|r| r > 0.999));
+        assert!(agreement(&told, &gains(&twice.map(|log| -log))).is_some_and(|r| r < -0.999));
+        assert_eq!(agreement(&told[..7], &gains(&twice)), None, "too few");
+        assert_eq!(agreement(&vec![iso(100); 8], &gains(&twice)), None, "all the same");
+        assert_eq!(agreement(&vec![Taken::default(); 8], &gains(&twice)), None);
     }
 
     #[test]

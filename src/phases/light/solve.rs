@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use super::ephemeris::under;
 use super::found::{Decided, FoundLight, Gain, Looked, camera_of};
 use super::frozen::State;
-use super::occasion::{Occasion, seconds};
+use super::occasion::{Occasion, agreement, seconds};
 use super::sittings::{Sitting, alike, together};
 use crate::base::ids::TriangleId;
 use crate::base::key::Key;
@@ -74,6 +74,7 @@ impl<'a> Evidence<'a> {
             untied: untied.map(|((frame, _), _)| frame.name.clone()).collect(),
             residual: if gains.residual.is_finite() { gains.residual } else { 0.0 },
             gains: new,
+            exif: if several { None } else { agreement(self.told, &gains) },
             vignetting: lenses.into_iter().filter(|(camera, _)| !known.vignetting.contains_key(camera)).collect(),
             taken_in,
             light: light.filter(|_| known.light.is_none()),

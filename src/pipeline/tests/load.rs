@@ -128,7 +128,7 @@ fn what_is_no_table_of_sections_is_told() {
     p.toml: scene.poses.path: is needed; add `path = "PATH"`
     "#);
     let sparse = TEMPLATE.replace("sparse/0", "sparse");
-    insta::assert_snapshot!(problems(&sparse, &[]), @r#"p.toml:40:8: scene.poses.path: must hold cameras.bin and images.bin, or both as .txt; got sparse; did you mean sparse/0?"#);
+    insta::assert_snapshot!(problems(&sparse, &[]), @r#"p.toml:41:8: scene.poses.path: must hold cameras.bin and images.bin, or both as .txt; got sparse; did you mean sparse/0?"#);
     insta::assert_snapshot!(problems("scene = 3\nrun = []", &[]), @r#"
     p.toml: scene.poses.path: is needed; add `path = "PATH"`
     p.toml:1:9: scene: must be a table of keys; got 3; its keys are mesh, images, masks, up, crs, offset, poses
