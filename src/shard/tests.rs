@@ -19,7 +19,7 @@ const SHARD: u32 = ShardId::TRIANGLES;
 /// Cells of a triangle.
 const FULL: Bin = 32_400;
 
-/// Those of its first light.
+/// The cells of its first light.
 const FIRST: Bin = 10_800;
 
 fn random_sum(rng: &mut Pcg32) -> BinSum {

@@ -19,7 +19,7 @@ pub(super) struct Sitting<'a> {
     pub clues: Clues<'a>,
     /// The gains of its frames; none for the others.
     pub gains: Gains,
-    /// Its light.
+    /// The light of its frames.
     pub light: FoundLight,
 }
 
