@@ -25,6 +25,8 @@ pub(super) struct Finished {
     pub tables: Recipe,
     /// The light of the photographs, where it is known or was found.
     pub light: Option<SunAndSky>,
+    /// What was found of exposures and light.
+    pub frozen: FrozenLight,
 }
 
 /// The scene of a pipeline, with the run's folder as it is.
@@ -52,14 +54,12 @@ impl Finished {
             let mesh = &pipeline.scene.mesh;
             return Err(again(&format!("the materials in {work} are not those of {mesh}")));
         }
+        let frozen = FrozenLight::read(&store, pipeline, scene.mesh_key)?;
         let light = match pipeline.light.mode {
-            Mode::Estimate | Mode::Ephemeris => {
-                let frozen = FrozenLight::read(&store, pipeline, scene.mesh_key)?;
-                frozen.state().light.as_ref().and_then(FoundLight::sun_and_sky)
-            }
+            Mode::Estimate | Mode::Ephemeris => frozen.state().light.as_ref().and_then(FoundLight::sun_and_sky),
             Mode::Known | Mode::Unknown => pipeline.light.known(),
         };
-        Ok(Finished { scene, materials, tables, light })
+        Ok(Finished { scene, materials, tables, light, frozen })
     }
 }
 

@@ -2,10 +2,10 @@
 //! against what the camera saw. Nothing was made of these photographs, so that this is a fair judge where no truth is known.
 //!
 //! Compared are sRGB values of pixels that show the mesh and that the mask does not ignore. How a photograph that was left out was
-//! exposed is not known: where exposures are solved for, each rendering is first brought to the photograph's by the median of
-//! their ratios.
+//! exposed is not known: where exposures are solved for, each rendering is darkened towards its corners as the camera does, and
+//! brought to the photograph's exposure by the median of their ratios.
 
-use glam::Vec3;
+use glam::{UVec2, Vec3};
 
 use super::finished::{Finished, Over};
 use super::picture::{Light, as_decoded, lighting, with_shares};
@@ -18,6 +18,7 @@ use crate::render::{Lighting, relight};
 use crate::scene::Material;
 use crate::scene::evidence::Evidence;
 use crate::scene::frame::LinearImage;
+use crate::scene::vignetting::Vignetting;
 use crate::stages::decode::Exposure;
 
 /// How well photographs that were left out are foretold.
@@ -37,7 +38,7 @@ const DARK: f32 = 0.004;
 /// Compares the photographs that were left out with renderings of a finished run, of `beside`, and of the mean radiance of every
 /// triangle as it is; `None` if none was left out or no light is known to render in.
 pub(super) fn held_out(over: Over<'_>, beside: Option<&[Material]>) -> Result<Option<HeldOut>> {
-    let Over { pipeline, finished: Finished { scene, materials, light, .. }, bvh, visibility } = over;
+    let Over { pipeline, finished: Finished { scene, materials, light, frozen, .. }, bvh, visibility } = over;
     let Some(light) = light.filter(|_| !scene.held_out.is_empty()) else { return Ok(None) };
     let (mesh, up) = (&scene.mesh, pipeline.scene.zenith());
     let lit = with_shares(light, up, visibility);
@@ -62,6 +63,8 @@ pub(super) fn held_out(over: Over<'_>, beside: Option<&[Material]>) -> Result<Op
         };
         let frame = as_decoded(pipeline, posed);
         let rendered = estimates.iter().map(|(_, estimate, light)| relight(mesh, bvh, estimate, &frame, light));
+        let lens = frozen.state().vignetting_of(posed);
+        let rendered = rendered.map(|rendering| Ok(through(lens, rendering?)));
         let rendered: Vec<Rendering> = rendered.collect::<Result<_>>()?;
         for (found, (_, errors)) in rendered.iter().zip(&mut told.estimates) {
             let gain = if pipeline.decode.exposure == Exposure::Solve { gain(&photograph, found) } else { 1.0 };
@@ -71,6 +74,16 @@ pub(super) fn held_out(over: Over<'_>, beside: Option<&[Material]>) -> Result<Op
         told.frames += 1;
     }
     Ok(Some(told))
+}
+
+/// A rendering as a lens shows it.
+fn through(lens: Vignetting, mut rendering: Rendering) -> Rendering {
+    let size = UVec2::new(rendering.width, rendering.height);
+    for (at, rgb) in (0..).zip(&mut rendering.rgb) {
+        let shown = lens.at_pixel(UVec2::new(at % size.x, at / size.x), size);
+        *rgb = rgb.map(|v| v * shown);
+    }
+    rendering
 }
 
 /// The errors of a rendering that is multiplied by `gain`, where `shown` is a number.
