@@ -127,18 +127,13 @@ impl<'a> Evidence<'a> {
                     continue;
                 }
                 let frames = |sitting: usize| of_frame.iter().filter(|of| **of == sitting).count();
-                let mut order: Vec<usize> = (0..count).collect();
-                order.sort_by_key(|&at| (sittings[at].light.decided != Decided::Sun, Reverse(frames(at))));
-                let mut ranked: Vec<(usize, Sitting<'a>)> = sittings
-                    .into_iter()
-                    .enumerate()
-                    .map(|(at, s)| (order.iter().position(|o| *o == at).unwrap_or(at), s))
-                    .collect();
-                ranked.sort_by_key(|(rank, _)| *rank);
+                let mut ranked: Vec<(usize, Sitting<'a>)> = sittings.into_iter().enumerate().collect();
+                ranked.sort_by_key(|(at, sitting)| (sitting.light.decided != Decided::Sun, Reverse(frames(*at))));
+                let rank = |of: usize| ranked.iter().position(|(at, _)| *at == of).unwrap_or(0);
+                of_frame = of_frame.iter().map(|of| rank(*of)).collect();
                 sittings = ranked.into_iter().map(|(_, sitting)| sitting).collect();
-                of_frame.iter_mut().for_each(|sitting| *sitting = order.iter().position(|o| o == sitting).unwrap_or(0));
             }
-            let gains = together_gains(&sittings, &of_frame);
+            let gains = all_gains(&sittings, &of_frame);
             let counts: Vec<usize> = (0..count).map(|one| of_frame.iter().filter(|of| **of == one).count()).collect();
             return Found { gains, light: together(sittings, &counts), of_frame };
         }
@@ -196,7 +191,7 @@ impl<'a> Evidence<'a> {
 }
 
 /// The gains of all frames, each in its sitting. What they leave is that of the worst.
-fn together_gains(sittings: &[Sitting<'_>], of_frame: &[usize]) -> Gains {
+fn all_gains(sittings: &[Sitting<'_>], of_frame: &[usize]) -> Gains {
     let log = of_frame.iter().enumerate().map(|(frame, sitting)| sittings[*sitting].gains.log[frame]).collect();
     Gains { log, residual: sittings.iter().map(|sitting| sitting.gains.residual).fold(0.0, f32::max) }
 }
