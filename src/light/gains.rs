@@ -8,6 +8,7 @@
 use super::observed::Sighting;
 use super::rows::{Row, rows};
 use super::tied::tied;
+use super::weights::weigh;
 use crate::base::convert::to_f32;
 
 /// The gains of frames.
@@ -35,12 +36,6 @@ impl Gains {
 /// Rounds of weighing.
 const ROUNDS: usize = 12;
 
-/// The residual, in standard deviations, at which a sighting counts for a quarter.
-const FAR: f64 = 2.0;
-
-/// The smallest standard deviation that is believed.
-const FLOOR: f64 = 0.01;
-
 /// Finds the gains of `frames` frames. Those that are `known` stay as they are; the others are tied to them, or, if none is
 /// known, to a median of 0. A missing entry of `known` is an unknown gain.
 pub fn gains(sightings: &[Sighting], frames: usize, known: &[Option<f32>]) -> Gains {
@@ -56,13 +51,7 @@ pub fn gains(sightings: &[Sighting], frames: usize, known: &[Option<f32>]) -> Ga
     for _ in 0..ROUNDS {
         solve(&rows, &weights, &free, &mut log);
         let off = residuals(&rows, &weights, &log);
-        let mut sizes: Vec<f64> = off.iter().map(|off| off.abs()).collect();
-        sizes.sort_unstable_by(f64::total_cmp);
-        residual = 1.4826 * sizes.get(sizes.len() / 2).copied().unwrap_or(0.0);
-        let far = FAR * residual.max(FLOOR);
-        for ((weight, off), row) in weights.iter_mut().zip(&off).zip(&rows) {
-            *weight = row.share / (1.0 + (off / far).powi(2)).powi(2);
-        }
+        residual = weigh(&rows, &off, &mut weights);
     }
     if anchors.is_empty() {
         let mut all: Vec<f64> = (0..frames).filter(|&frame| tied[frame]).map(|frame| log[frame]).collect();

@@ -34,6 +34,7 @@ mod spread;
 mod tests;
 mod tied;
 mod vignetting;
+mod weights;
 
 pub use clues::{Clues, Settings, find};
 pub use found::{Decision, Found, Spread};

@@ -5,6 +5,7 @@
 use super::gains::{Gains, gains};
 use super::observed::Sighting;
 use super::rows::{Row, rows};
+use super::weights::weigh;
 use crate::base::convert::to_f32;
 use crate::scene::vignetting::Vignetting;
 
@@ -21,12 +22,6 @@ const MOST: f32 = 1.5;
 /// Rounds of weighing, and in each those in which means over frames and triangles are taken off in turn.
 const WEIGHINGS: usize = 6;
 const ROUNDS: usize = 10;
-
-/// The residual, in standard deviations, at which a sighting counts for a quarter.
-const FAR: f64 = 2.0;
-
-/// The smallest standard deviation that is believed.
-const FLOOR: f64 = 0.01;
 
 /// A sighting less the means of its frame and its triangle: the squared radius, its square, and the logarithm of the luminance.
 type Moments = [f64; 3];
@@ -52,12 +47,8 @@ fn of_one(sightings: &[Sighting], frames: usize) -> Vignetting {
     // Highlights and what moved lose weight, by what the vignetting that was found so far leaves of them.
     let mut found = [0.0; 2];
     for _ in 0..WEIGHINGS {
-        let mut sizes: Vec<f64> = all.iter().map(|moments| left(moments, found).abs()).collect();
-        sizes.sort_unstable_by(f64::total_cmp);
-        let far = FAR * (1.4826 * sizes.get(sizes.len() / 2).copied().unwrap_or(0.0)).max(FLOOR);
-        for ((weight, moments), row) in weights.iter_mut().zip(&all).zip(&rows) {
-            *weight = row.share / (1.0 + (left(moments, found) / far).powi(2)).powi(2);
-        }
+        let off: Vec<f64> = all.iter().map(|moments| left(moments, found)).collect();
+        weigh(&rows, &off, &mut weights);
         for _ in 0..ROUNDS {
             less(&mut all, &weights, &rows, triangles, |row| row.triangle);
             less(&mut all, &weights, &rows, frames, |row| row.frame);

@@ -44,22 +44,10 @@ mod tests {
     use glam::{DVec2, DVec3};
 
     use super::*;
-    use crate::base::Result;
     use crate::codec::images::Size;
+    use crate::codec::poses::Listed;
     use crate::scene::camera::{Camera, Lens};
     use crate::scene::pose::Pose;
-
-    struct Listed(Vec<String>);
-
-    impl Photographs for Listed {
-        fn names(&self) -> Result<&[String]> {
-            Ok(&self.0)
-        }
-
-        fn size(&self, _: &str) -> Result<Size> {
-            Ok(Size { width: 4, height: 3 })
-        }
-    }
 
     /// What is told of frames of these names, and the names that they get.
     fn found(names: &[&str], files: &[&str]) -> (Option<String>, Vec<String>) {
@@ -67,7 +55,8 @@ mod tests {
         let pose = Pose::look_at(DVec3::Z, DVec3::ZERO, DVec3::Y);
         let frame = |name: &&str| Frame { name: (*name).to_owned(), camera: camera.clone().into(), pose };
         let mut frames: Vec<Frame> = names.iter().map(frame).collect();
-        let listed = Listed(files.iter().map(|file| (*file).to_owned()).collect());
+        let names = files.iter().map(|file| (*file).to_owned()).collect();
+        let listed = Listed { names, size: Size { width: 4, height: 3 } };
         let told = find_photographs(&mut frames, Path::new("nowhere"), &listed);
         (told, frames.into_iter().map(|frame| frame.name).collect())
     }

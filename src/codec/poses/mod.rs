@@ -43,6 +43,8 @@ pub use list::FORMATS;
 pub(crate) use list::NAMES;
 pub(crate) use metashape::METASHAPE;
 pub(crate) use opendronemap::OPENDRONEMAP;
+#[cfg(test)]
+pub(crate) use photographs::Listed;
 pub use photographs::{NoPhotographs, PhotographFolder, Photographs};
 pub use read::read;
 pub(crate) use read::{formats_at, look};

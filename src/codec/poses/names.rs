@@ -128,18 +128,10 @@ fn best<'a>(path: &str, all: &[&'a str], part: impl Fn(&'a str) -> &'a str) -> R
 mod tests {
     use super::*;
     use crate::codec::images::Size;
-    use crate::codec::poses::NoPhotographs;
+    use crate::codec::poses::{Listed, NoPhotographs};
 
-    struct Listed(Vec<String>);
-
-    impl Photographs for Listed {
-        fn names(&self) -> Result<&[String]> {
-            Ok(&self.0)
-        }
-
-        fn size(&self, _: &str) -> Result<Size> {
-            Ok(Size { width: 4, height: 3 })
-        }
+    fn listed(names: &[&str]) -> Listed {
+        Listed { names: strings(names), size: Size { width: 4, height: 3 } }
     }
 
     fn strings(names: &[&str]) -> Vec<String> {
@@ -147,7 +139,7 @@ mod tests {
     }
 
     fn settle(written: &[&str], there: &[&str]) -> Result<Vec<String>, String> {
-        settled(&strings(written), &Listed(strings(there))).map_err(|why| why.to_string())
+        settled(&strings(written), &listed(there)).map_err(|why| why.to_string())
     }
 
     #[test]

@@ -112,6 +112,26 @@ impl Photographs for NoPhotographs {
     }
 }
 
+/// Photographs that are nowhere but in a test.
+#[cfg(test)]
+pub(crate) struct Listed {
+    /// The names of all.
+    pub names: Vec<String>,
+    /// The size of each.
+    pub size: Size,
+}
+
+#[cfg(test)]
+impl Photographs for Listed {
+    fn names(&self) -> Result<&[String]> {
+        Ok(&self.names)
+    }
+
+    fn size(&self, _: &str) -> Result<Size> {
+        Ok(self.size)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

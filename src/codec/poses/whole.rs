@@ -33,18 +33,22 @@ pub(super) fn text(path: &Path) -> Result<String> {
 
 /// The text that bytes are.
 fn decoded(bytes: Vec<u8>) -> Result<String, String> {
-    let mut text = match wide(&bytes) {
+    let text = match wide(&bytes) {
         Some(text) => text,
         None => String::from_utf8(bytes).map_err(|why| {
             let at = why.utf8_error().valid_up_to();
             format!("byte {at} is no UTF-8: save the file as UTF-8")
         })?,
     };
+    Ok(plain(text))
+}
+
+/// The text without a byte-order mark, its lines ended by LF where all end in CR alone. Where LF and CR LF end lines, both end in LF.
+fn plain(mut text: String) -> String {
     if text.starts_with('\u{feff}') {
         text.drain(..'\u{feff}'.len_utf8());
     }
-    // Of two kinds of lines in one file, CR LF and LF, both end in LF.
-    Ok(if text.contains('\r') && !text.contains('\n') { text.replace('\r', "\n") } else { text })
+    if text.contains('\r') && !text.contains('\n') { text.replace('\r', "\n") } else { text }
 }
 
 /// The text of UTF-16, which its byte-order mark tells; what is none stands as a replacement character.
@@ -62,9 +66,7 @@ fn wide(bytes: &[u8]) -> Option<String> {
 pub(super) fn start_text(path: &Path, most: u64) -> String {
     let bytes = start(path, most);
     // The last letter may be cut.
-    let text = wide(&bytes).unwrap_or_else(|| String::from_utf8_lossy(&bytes).into_owned());
-    let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
-    if text.contains('\n') { text.to_owned() } else { text.replace('\r', "\n") }
+    plain(wide(&bytes).unwrap_or_else(|| String::from_utf8_lossy(&bytes).into_owned()))
 }
 
 /// The first bytes of a file; none if it cannot be read.

@@ -1,22 +1,12 @@
 //! Gains that are known are found, and frames that nothing ties are left alone.
 
+use super::flight::{flight, shine, uneven};
 use crate::light::draw::unit;
 use crate::light::{Gains, Sighting, gains};
 
-/// Frames in a row of which each sees a window of triangles, their gains, and noise. Every tenth sighting is a highlight.
-fn flight(frames: u32, gain: impl Fn(u32) -> f32, noise: f64) -> Vec<Sighting> {
-    let mut seen = Vec::new();
-    for frame in 0..frames {
-        for k in 0..120 {
-            let sample = 20 * frame + k;
-            let kd = 0.05 + 0.4 * unit(1, u64::from(sample)) as f32;
-            let off = 1.0 + noise * (unit(u64::from(frame) + 10, u64::from(sample)) - 0.5);
-            let shine = if (frame + 7 * k).is_multiple_of(10) { 1.5 } else { 1.0 };
-            let mean = [kd * gain(frame) * off as f32 * shine; 3];
-            seen.push(Sighting { frame, sample, pixels: 40, clipped: 0, mean, radius2: 0.3 });
-        }
-    }
-    seen
+/// What a flight of these gains sees.
+fn exposed(frames: u32, gain: impl Fn(u32) -> f32, noise: f64) -> Vec<Sighting> {
+    flight(frames, noise, |frame, k, _| (gain(frame) * shine(frame, k), 0.3))
 }
 
 /// The root mean square of the found logarithms against the true ones, less the common offset.
@@ -28,9 +18,8 @@ fn off(found: &Gains, frames: u32, gain: impl Fn(u32) -> f32) -> f32 {
 
 #[test]
 fn gains_of_thirty_percent_are_recovered() {
-    let gain = |frame: u32| 0.7 + 0.6 * unit(2, u64::from(frame)) as f32;
-    let found = gains(&flight(60, gain, 0.1), 60, &[]);
-    assert!(off(&found, 60, gain) < 0.015, "{}", off(&found, 60, gain));
+    let found = gains(&exposed(60, uneven, 0.1), 60, &[]);
+    assert!(off(&found, 60, uneven) < 0.015, "{}", off(&found, 60, uneven));
     assert!((0.01..0.08).contains(&found.residual), "{}", found.residual);
     let mut sorted: Vec<f32> = found.log.iter().flatten().copied().collect();
     sorted.sort_by(f32::total_cmp);
@@ -40,7 +29,7 @@ fn gains_of_thirty_percent_are_recovered() {
 #[test]
 fn frames_in_any_order_of_rows_give_the_same_bits() {
     let gain = |frame: u32| 1.0 + 0.1 * (frame % 3) as f32;
-    let mut seen = flight(20, gain, 0.1);
+    let mut seen = exposed(20, gain, 0.1);
     let found = gains(&seen, 20, &[]);
     assert!(found.log.iter().all(Option::is_some), "every frame is tied");
     seen.reverse();
@@ -49,7 +38,7 @@ fn frames_in_any_order_of_rows_give_the_same_bits() {
 
 #[test]
 fn a_frame_that_nothing_ties_has_no_gain() {
-    let mut seen = flight(10, |_| 1.0, 0.05);
+    let mut seen = exposed(10, |_| 1.0, 0.05);
     // Two frames that share triangles with each other alone, and one that shares too few.
     for (frame, first, count) in [(10, 5000u32, 50u32), (11, 5000, 50), (12, 0, 4)] {
         let one = |k: u32| Sighting { frame, sample: first + k, pixels: 40, clipped: 0, mean: [0.2; 3], radius2: 0.0 };
@@ -69,7 +58,7 @@ fn a_frame_that_nothing_ties_has_no_gain() {
 #[test]
 fn gains_that_are_known_stay_and_new_frames_join_them() {
     let gain = |frame: u32| 0.7 + 0.6 * unit(3, u64::from(frame)) as f32;
-    let seen = flight(30, gain, 0.05);
+    let seen = exposed(30, gain, 0.05);
     let first: Vec<Sighting> = seen.iter().copied().filter(|s| s.frame < 20).collect();
     let before = gains(&first, 20, &[]);
     let after = gains(&seen, 30, &before.log);
@@ -80,7 +69,7 @@ fn gains_that_are_known_stay_and_new_frames_join_them() {
 #[test]
 fn clipped_dark_and_broken_sightings_tell_nothing() {
     let gain = |frame: u32| 1.0 + 0.2 * (frame % 2) as f32;
-    let mut seen = flight(12, gain, 0.0);
+    let mut seen = exposed(12, gain, 0.0);
     let clean = gains(&seen, 12, &[]);
     assert!(clean.log.iter().all(Option::is_some), "every frame is tied");
     for (mean, clipped) in [([0.9; 3], 20), ([0.001; 3], 0), ([f32::NAN; 3], 0), ([f32::INFINITY; 3], 0)] {

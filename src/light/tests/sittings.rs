@@ -1,25 +1,16 @@
 //! Frames of one light belong together, and those of another apart, by their times or by what they saw.
 
+use super::flight::{flight, uneven};
 use crate::light::draw::unit;
 use crate::light::{Sighting, sittings};
 
-/// Frames in a row of which each sees a window of triangles: `light` gives the light of each, and how much brighter a triangle is
-/// in it. Exposures differ, and views drift apart.
-fn flight(frames: u32, light: impl Fn(u32, u32) -> f32) -> Vec<Sighting> {
-    let mut seen = Vec::new();
-    for frame in 0..frames {
-        for k in 0..120 {
-            let sample = 20 * frame + k;
-            let kd = 0.05 + 0.4 * unit(1, u64::from(sample)) as f32;
-            let noise = 1.0 + 0.1 * (unit(u64::from(frame) + 10, u64::from(sample)) - 0.5) as f32;
-            let gain = 0.7 + 0.6 * unit(2, u64::from(frame)) as f32;
-            // The shine of a triangle turns with the view.
-            let shine = 1.0 + 0.2 * (f64::from(frame) / 9.0 + f64::from(sample)).sin() as f32;
-            let mean = [kd * gain * noise * shine * light(frame, sample); 3];
-            seen.push(Sighting { frame, sample, pixels: 40, clipped: 0, mean, radius2: 0.3 });
-        }
-    }
-    seen
+/// What a flight sees: `light` gives how much brighter a triangle is in the light of a frame. Exposures differ, and the shine of a
+/// triangle turns with the view.
+fn lit(frames: u32, light: impl Fn(u32, u32) -> f32) -> Vec<Sighting> {
+    flight(frames, 0.1, |frame, _, sample| {
+        let shine = 1.0 + 0.2 * (f64::from(frame) / 9.0 + f64::from(sample)).sin() as f32;
+        (uneven(frame) * shine * light(frame, sample), 0.3)
+    })
 }
 
 /// A triangle's brightness in one of some lights.
@@ -30,11 +21,11 @@ fn brightness(light: u32, sample: u32) -> f32 {
 #[test]
 fn frames_without_times_are_told_apart_by_what_they_saw() {
     let untold = vec![None; 60];
-    let of = |lit: &dyn Fn(u32) -> u32| sittings(&flight(60, |f, t| brightness(lit(f), t)), &untold, &[]);
+    let of = |light: &dyn Fn(u32) -> u32| sittings(&lit(60, |f, t| brightness(light(f), t)), &untold, &[]);
     assert_eq!(of(&|_| 0), vec![0; 60], "one light");
-    for lit in [|frame| frame % 2, |frame| u32::from(frame >= 40), |frame| u32::from(frame % 3 == 1)] {
-        let found = of(&lit);
-        let same = (0..60).all(|f| (found[f as usize] == found[0]) == (lit(f) == lit(0)));
+    for light in [|frame| frame % 2, |frame| u32::from(frame >= 40), |frame| u32::from(frame % 3 == 1)] {
+        let found = of(&light);
+        let same = (0..60).all(|f| (found[f as usize] == found[0]) == (light(f) == light(0)));
         assert!(same, "{found:?}");
     }
     let found = of(&|frame| frame / 20);

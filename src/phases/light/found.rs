@@ -178,14 +178,14 @@ impl FoundLight {
         std::iter::once(self).chain(&self.others)
     }
 
-    /// Whether a sun is reckoned with. One that is doubtful is: the user is told to check it.
-    pub(super) fn has_sun(&self) -> bool {
-        self.sun.is_some() && matches!(self.decided, Decided::Sun | Decided::Doubtful)
+    /// The sun that is reckoned with, if one is. One that is doubtful is: the user is told to check it.
+    pub(super) fn told_sun(&self) -> Option<[f64; 3]> {
+        self.sun.filter(|_| matches!(self.decided, Decided::Sun | Decided::Doubtful))
     }
 
     /// Sun and sky, or the sky alone where no sun shone; none where too little was seen.
     pub(crate) fn sun_and_sky(&self) -> Option<SunAndSky> {
-        let direction = self.sun.filter(|_| self.has_sun()).map(|sun| DVec3::from(sun).as_vec3());
+        let direction = self.told_sun().map(|sun| DVec3::from(sun).as_vec3());
         let sun = match (direction, self.decided) {
             (Some(direction), _) => Sun { direction: direction.normalize_or_zero(), color: Vec3::from(self.color) },
             (None, Decided::NoSun) => Sun { direction: Vec3::Z, color: Vec3::ZERO },

@@ -120,7 +120,7 @@ impl State {
         };
         let Some(light) = &self.light else { return told };
         let FoundLight { sun_degrees, color, sky, white, turned, .. } = *light;
-        let sun = light.sun.filter(|_| light.has_sun());
+        let sun = light.told_sun();
         LightReport { sun, sun_degrees, color, sky, white, turned, words: light.words.clone(), ..told }
     }
 }

@@ -33,7 +33,7 @@ pub(super) fn alike(lights: &[&FoundLight]) -> Option<(usize, usize)> {
 }
 
 fn same(a: &FoundLight, b: &FoundLight) -> bool {
-    match (a.sun.filter(|_| a.has_sun()), b.sun.filter(|_| b.has_sun())) {
+    match (a.told_sun(), b.told_sun()) {
         (None, None) => true,
         (Some(one), Some(other)) => {
             let apart = DVec3::from(one).angle_between(DVec3::from(other)).to_degrees();
@@ -46,7 +46,7 @@ fn same(a: &FoundLight, b: &FoundLight) -> bool {
 /// One light of several sittings, the first of them that of most frames: the others are brought to its scale.
 pub(super) fn together(mut sittings: Vec<Sitting<'_>>, counts: &[usize]) -> Option<FoundLight> {
     let albedos = |Sitting { clues, light, .. }: &Sitting<'_>| {
-        let sun = light.sun.filter(|_| light.has_sun()).map(|sun| DVec3::from(sun).as_vec3());
+        let sun = light.told_sun().map(|sun| DVec3::from(sun).as_vec3());
         clues.albedos(sun, light.white, light.sky, light.bounce)
     };
     let first = albedos(sittings.first()?);
@@ -81,7 +81,7 @@ fn scale(light: &mut FoundLight, factors: [f32; 3]) {
 }
 
 fn other_words(light: &FoundLight, frames: usize) -> String {
-    match light.sun.filter(|_| light.has_sun()) {
+    match light.told_sun() {
         Some([x, y, z]) => {
             format!(
                 "{frames} photographs were taken in another light, with the sun at [{x:.3}, {y:.3}, {z:.3}]: {}",

@@ -1,7 +1,7 @@
 //! What programs, editors and systems do to files that say the same.
 
 use super::writers::{Files, WRITTEN, Written};
-use super::{Listed, apart, look, read, scene, write};
+use super::{Listed, SIZE, apart, look, read, scene, write};
 use crate::codec::poses::{Photographs, Posed};
 
 /// The ways to write a format that have this name or begin with it.
@@ -65,7 +65,8 @@ fn photographs_in_other_letters_are_those_that_are_meant() {
         let mut frames = scene(written.says);
         frames.iter_mut().for_each(|frame| frame.name.insert_str(0, "photo_"));
         let upper: Vec<String> = frames.iter().map(|frame| frame.name.to_uppercase()).collect();
-        let found = read(written.format, &(written.write)(&frames), &Listed(upper.clone())).unwrap();
+        let found =
+            read(written.format, &(written.write)(&frames), &Listed { names: upper.clone(), size: SIZE }).unwrap();
         assert_eq!(
             found.frames.iter().map(|frame| &frame.name).collect::<Vec<_>>(),
             upper.iter().collect::<Vec<_>>(),

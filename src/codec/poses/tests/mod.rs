@@ -16,6 +16,7 @@ use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
 
+use super::Listed;
 use super::{Photographs, PoseFormat, Posed, look};
 use crate::base::Result;
 use crate::codec::images::Size;
@@ -26,22 +27,9 @@ use crate::scene::pose::Pose;
 /// The size of the test's images.
 const SIZE: Size = Size { width: 640, height: 480 };
 
-/// Photographs that are nowhere but in the test.
-struct Listed(Vec<String>);
-
 impl Listed {
     fn of(frames: &[Frame]) -> Self {
-        Listed(frames.iter().map(|frame| frame.name.clone()).collect())
-    }
-}
-
-impl Photographs for Listed {
-    fn names(&self) -> Result<&[String]> {
-        Ok(&self.0)
-    }
-
-    fn size(&self, _: &str) -> Result<Size> {
-        Ok(SIZE)
+        Listed { names: frames.iter().map(|frame| frame.name.clone()).collect(), size: SIZE }
     }
 }
 

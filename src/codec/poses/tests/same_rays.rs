@@ -1,5 +1,5 @@
 use super::writers::WRITTEN;
-use super::{Listed, apart, read, scene, write};
+use super::{Listed, SIZE, apart, read, scene, write};
 use crate::codec::poses::FORMATS;
 
 #[test]
@@ -40,6 +40,10 @@ fn a_folder_is_of_the_format_that_was_written_into_it_and_of_no_other() {
         let missing = (format.missing)(empty.path());
         assert!(missing.is_some(), "{}", format.name);
         assert_eq!((format.missing)(&empty.path().join("nowhere")), None, "{}", format.name);
-        assert!(read(format, &Default::default(), &super::Listed(Vec::new())).is_err(), "{}", format.name);
+        assert!(
+            read(format, &Default::default(), &Listed { names: Vec::new(), size: SIZE }).is_err(),
+            "{}",
+            format.name
+        );
     }
 }
